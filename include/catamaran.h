@@ -448,6 +448,7 @@ typedef struct cata_lstsq_params {
     /** 1: columns of A that depend on others are an error, CATA_ERR_ARGUMENT, whose message names
      * them. 0: the solution of least norm is returned. */
     int32_t refuse_dependent;
+    double confidence; /**< Confidence of `result.lower` and `result.upper`, below 1; 0: 0.95. */
 } cata_lstsq_params;
 
 /** Results of least squares beside X. The caller sets `struct_size` and the pointers, each to an
@@ -475,7 +476,8 @@ typedef struct cata_lstsq_result {
     size_t *dependent;
     /** Written: columns of A that do not depend on others, as far as the precision can tell. */
     size_t rank;
-    /** Written: m less the rank, and less one more with an intercept; at least 0. */
+    /** Written: rows of a weight other than 0, less the rank, and less one more with an
+     * intercept; at least 0. */
     size_t degrees_of_freedom;
     /** Written: an estimate of the condition number of A, about the mean with an intercept, and
      * with sqrt(ridge) I below it. */
@@ -483,6 +485,38 @@ typedef struct cata_lstsq_result {
     /** Written: decimal digits of X, relative to its largest entry when columns of A have norm
      * 1, that agree with the exact solution; from 0 to 15.95. */
     double digits;
+    /** n x k, written, with the layout and the leading dimension of X: each coefficient over its
+     * standard error. */
+    double *t_statistics;
+    /** n x k, written, with the layout and the leading dimension of X: the probability of a t
+     * statistic as far from 0, or farther, were the coefficient 0. */
+    double *p_values;
+    /** n x k, written, with the layout and the leading dimension of X: the lower end of the
+     * confidence interval of each coefficient; see `params.confidence`. */
+    double *lower;
+    /** n x k, written, with the layout and the leading dimension of X: the upper end. */
+    double *upper;
+    /** k elements, written: the p value of each constant; untouched without `params.intercept`. */
+    double *intercept_p_values;
+    /** k elements, written: the lower end of the confidence interval of each constant; untouched
+     * without `params.intercept`. */
+    double *intercept_lower;
+    /** k elements, written: the upper end; untouched without `params.intercept`. */
+    double *intercept_upper;
+    /** k elements, written: the standard deviation of the residuals of each target; NaN without
+     * degrees of freedom. */
+    double *residual_deviations;
+    /** k elements, written: `r_squared`, adjusted for the number of coefficients. */
+    double *adjusted_r_squared;
+    /** k elements, written: the F statistic of each target, that all coefficients but the
+     * constant are 0, with `rank` and `degrees_of_freedom` degrees of freedom; NaN with a ridge. */
+    double *f_statistics;
+    double *f_p_values; /**< k elements, written: the p value of each F statistic. */
+    /** k symmetric matrices (n + 1) x (n + 1), one after another without gaps, written: the
+     * covariance of the coefficients of each target, in row and column 0 of the constant; zeros
+     * there without `params.intercept`. */
+    double *covariances;
+    size_t *observations; /**< One element, written: rows of a weight other than 0. */
 } cata_lstsq_result;
 /** Fills a struct with the defaults. */
 cata_status cata_lstsq_params_init(cata_lstsq_params *params, size_t struct_size);

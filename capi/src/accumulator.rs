@@ -358,8 +358,7 @@ pub unsafe extern "C" fn cata_accumulator_lstsq(
         };
         let options = outputs.options(&params)?;
         let gram = own.extended()?;
-        outputs.write(&LeastSquares::from_gram(&gram, k, &options)?, options.intercept);
-        Ok(())
+        outputs.write(&LeastSquares::from_gram(&gram, k, &options)?, &options, &params)
     })
 }
 

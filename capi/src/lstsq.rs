@@ -21,6 +21,7 @@ use super::params::{Versioned, flag, init, read_or_zeros};
 use super::pointer::{Layout, matrix, optional_matrix_mut, optional_slice, optional_slice_mut};
 use super::progress::{cata_progress, par};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
+use catamaran::base::zeros;
 use catamaran::rows::{Center, DenseRows, RowOptions};
 use catamaran::solve::{
     JoinedRows, LeastSquares, LeastSquaresOptions, RankDeficiency, check_weights,
@@ -47,6 +48,8 @@ pub struct cata_lstsq_params {
     /// 1: columns of A that depend on others are an error, CATA_ERR_ARGUMENT, whose message names
     /// them. 0: the solution of least norm is returned.
     pub refuse_dependent: i32,
+    /// Confidence of `result.lower` and `result.upper`, below 1; 0: 0.95.
+    pub confidence: f64,
 }
 
 impl Versioned for cata_lstsq_params {
@@ -95,7 +98,8 @@ pub struct cata_lstsq_result {
     pub dependent: *mut usize,
     /// Written: columns of A that do not depend on others, as far as the precision can tell.
     pub rank: usize,
-    /// Written: m less the rank, and less one more with an intercept; at least 0.
+    /// Written: rows of a weight other than 0, less the rank, and less one more with an
+    /// intercept; at least 0.
     pub degrees_of_freedom: usize,
     /// Written: an estimate of the condition number of A, about the mean with an intercept, and
     /// with sqrt(ridge) I below it.
@@ -103,6 +107,40 @@ pub struct cata_lstsq_result {
     /// Written: decimal digits of X, relative to its largest entry when columns of A have norm
     /// 1, that agree with the exact solution; from 0 to 15.95.
     pub digits: f64,
+    /// n x k, written, with the layout and the leading dimension of X: each coefficient over its
+    /// standard error.
+    pub t_statistics: *mut f64,
+    /// n x k, written, with the layout and the leading dimension of X: the probability of a t
+    /// statistic as far from 0, or farther, were the coefficient 0.
+    pub p_values: *mut f64,
+    /// n x k, written, with the layout and the leading dimension of X: the lower end of the
+    /// confidence interval of each coefficient; see `params.confidence`.
+    pub lower: *mut f64,
+    /// n x k, written, with the layout and the leading dimension of X: the upper end.
+    pub upper: *mut f64,
+    /// k elements, written: the p value of each constant; untouched without `params.intercept`.
+    pub intercept_p_values: *mut f64,
+    /// k elements, written: the lower end of the confidence interval of each constant; untouched
+    /// without `params.intercept`.
+    pub intercept_lower: *mut f64,
+    /// k elements, written: the upper end; untouched without `params.intercept`.
+    pub intercept_upper: *mut f64,
+    /// k elements, written: the standard deviation of the residuals of each target; NaN without
+    /// degrees of freedom.
+    pub residual_deviations: *mut f64,
+    /// k elements, written: `r_squared`, adjusted for the number of coefficients.
+    pub adjusted_r_squared: *mut f64,
+    /// k elements, written: the F statistic of each target, that all coefficients but the
+    /// constant are 0, with `rank` and `degrees_of_freedom` degrees of freedom; NaN with a ridge.
+    pub f_statistics: *mut f64,
+    /// k elements, written: the p value of each F statistic.
+    pub f_p_values: *mut f64,
+    /// k symmetric matrices (n + 1) x (n + 1), one after another without gaps, written: the
+    /// covariance of the coefficients of each target, in row and column 0 of the constant; zeros
+    /// there without `params.intercept`.
+    pub covariances: *mut f64,
+    /// One element, written: rows of a weight other than 0.
+    pub observations: *mut usize,
 }
 
 impl Versioned for cata_lstsq_result {
@@ -157,8 +195,7 @@ pub unsafe extern "C" fn cata_lstsq(
         let watched = call.params.watched();
         let gram = extended(rows, &row_options, &watched, name)?;
         let found = watched.watch(|| LeastSquares::from_gram(&gram, k, &call.options))?;
-        call.finish(&found);
-        Ok(())
+        call.finish(&found)
     })
 }
 
@@ -209,8 +246,8 @@ impl LeastSquaresCall<'_> {
     }
 
     /// Writes the solution.
-    pub fn finish(self, found: &LeastSquares) {
-        self.outputs.write(found, self.options.intercept);
+    pub fn finish(self, found: &LeastSquares) -> Result<(), Failure> {
+        self.outputs.write(found, &self.options, &self.params)
     }
 }
 
@@ -223,6 +260,7 @@ pub(super) struct LeastSquaresOutputs<'a> {
     standard_errors: Option<MatMut<'a, f64>>,
     intercept_errors: Option<&'a mut [f64]>,
     dependent: Option<&'a mut [usize]>,
+    statistics: Statistics<'a>,
     /// NULL, or a struct that has the fields of its first version.
     result: *mut cata_lstsq_result,
 }
@@ -262,6 +300,7 @@ impl LeastSquaresOutputs<'_> {
                     k,
                 )?,
                 dependent: optional_slice_mut("result.dependent", arrays.dependent, n)?,
+                statistics: Statistics::new(layout, n, k, ldx, &arrays)?,
                 result,
             })
         }
@@ -277,12 +316,24 @@ impl LeastSquaresOutputs<'_> {
             .ridge(params.ridge)
             .intercept(flag("params.intercept", params.intercept)?)
             .rank_deficiency(deficiency)
-            .standard_errors(self.standard_errors.is_some() || self.intercept_errors.is_some())
+            .standard_errors(
+                self.standard_errors.is_some()
+                    || self.intercept_errors.is_some()
+                    || self.statistics.need_errors(),
+            )
             .par(par(params.threads)))
     }
 
-    /// Writes the solution and the results that are wanted.
-    pub fn write(self, found: &LeastSquares, intercept: bool) {
+    /// Writes the solution and the results that are wanted. An error leaves all outputs as they
+    /// were.
+    pub fn write(
+        self,
+        found: &LeastSquares,
+        options: &LeastSquaresOptions,
+        params: &cata_lstsq_params,
+    ) -> Result<(), Failure> {
+        self.statistics.write(found, params.confidence)?;
+        let intercept = options.intercept;
         if let Some(x) = self.x {
             fill(x, found.coefficients.as_ref());
         }
@@ -299,7 +350,7 @@ impl LeastSquaresOutputs<'_> {
             dependent[..found.dependent.len()].copy_from_slice(&found.dependent);
         }
         if self.result.is_null() {
-            return;
+            return Ok(());
         }
         let result = self.result;
         // SAFETY: `new` has checked the alignment and the size of the first version, whose fields
@@ -310,7 +361,153 @@ impl LeastSquaresOutputs<'_> {
             (&raw mut (*result).condition).write(found.condition);
             (&raw mut (*result).digits).write(found.digits);
         }
+        Ok(())
     }
+}
+
+/// The places for what is computed from a solution and its standard errors.
+struct Statistics<'a> {
+    t: Option<MatMut<'a, f64>>,
+    p: Option<MatMut<'a, f64>>,
+    /// Lower and upper ends.
+    ends: [Option<MatMut<'a, f64>>; 2],
+    intercept_p: Option<&'a mut [f64]>,
+    intercept_ends: [Option<&'a mut [f64]>; 2],
+    deviations: Option<&'a mut [f64]>,
+    adjusted_r_squared: Option<&'a mut [f64]>,
+    f: Option<&'a mut [f64]>,
+    f_p: Option<&'a mut [f64]>,
+    covariances: Option<&'a mut [f64]>,
+    observations: Option<&'a mut [usize]>,
+}
+
+impl Statistics<'_> {
+    /// Creates the places from pointers.
+    ///
+    /// # Safety
+    /// The pointers of `arrays` are as cata_lstsq_result describes them, and live as long as this.
+    unsafe fn new(
+        layout: Layout,
+        n: usize,
+        k: usize,
+        ldx: usize,
+        arrays: &cata_lstsq_result,
+    ) -> Result<Self, Failure> {
+        // SAFETY: the caller's promise. An error of the leading dimension names that of X, which
+        // is the same argument.
+        unsafe {
+            let matrix = |place| optional_matrix_mut("x", layout, n, k, place, ldx);
+            let size = (n + 1).saturating_mul(n + 1).saturating_mul(k);
+            Ok(Self {
+                t: matrix(arrays.t_statistics)?,
+                p: matrix(arrays.p_values)?,
+                ends: [matrix(arrays.lower)?, matrix(arrays.upper)?],
+                intercept_p: optional_slice_mut(
+                    "result.intercept_p_values",
+                    arrays.intercept_p_values,
+                    k,
+                )?,
+                intercept_ends: [
+                    optional_slice_mut("result.intercept_lower", arrays.intercept_lower, k)?,
+                    optional_slice_mut("result.intercept_upper", arrays.intercept_upper, k)?,
+                ],
+                deviations: optional_slice_mut(
+                    "result.residual_deviations",
+                    arrays.residual_deviations,
+                    k,
+                )?,
+                adjusted_r_squared: optional_slice_mut(
+                    "result.adjusted_r_squared",
+                    arrays.adjusted_r_squared,
+                    k,
+                )?,
+                f: optional_slice_mut("result.f_statistics", arrays.f_statistics, k)?,
+                f_p: optional_slice_mut("result.f_p_values", arrays.f_p_values, k)?,
+                covariances: optional_slice_mut("result.covariances", arrays.covariances, size)?,
+                observations: optional_slice_mut("result.observations", arrays.observations, 1)?,
+            })
+        }
+    }
+
+    /// Returns whether a result is wanted that takes standard errors.
+    fn need_errors(&self) -> bool {
+        let ends = self.ends.iter().any(Option::is_some);
+        let of_intercept = self.intercept_ends.iter().any(Option::is_some);
+        self.t.is_some()
+            || self.p.is_some()
+            || self.intercept_p.is_some()
+            || self.covariances.is_some()
+            || ends
+            || of_intercept
+    }
+
+    /// Writes the results that are wanted, when all of them are computed.
+    fn write(self, found: &LeastSquares, confidence: f64) -> Result<(), Failure> {
+        /// What a confidence of 0 stands for.
+        const CONFIDENCE: f64 = 0.95;
+        let t = self.t.as_ref().map(|_| found.t_statistics()).transpose()?;
+        let p = self.p.as_ref().map(|_| found.p_values()).transpose()?;
+        let wants_ends = self.ends.iter().any(Option::is_some);
+        let wants_ends = wants_ends || self.intercept_ends.iter().any(Option::is_some);
+        let confidence = if confidence == 0.0 { CONFIDENCE } else { confidence };
+        let ends = wants_ends
+            .then(|| -> Result<_, Failure> {
+                let own = found.intercept_intervals(confidence)?;
+                Ok((found.confidence_intervals(confidence)?, own))
+            })
+            .transpose()?;
+        let covariances = match self.covariances.is_some() {
+            true => covariances(found)?,
+            false => Vec::new(),
+        };
+        for (place, numbers) in [(self.t, t), (self.p, p)] {
+            if let (Some(place), Some(numbers)) = (place, numbers) {
+                fill(place, numbers.as_ref());
+            }
+        }
+        if let Some((ends, of_intercept)) = ends {
+            for (place, numbers) in self.ends.into_iter().zip(ends) {
+                if let Some(place) = place {
+                    fill(place, numbers.as_ref());
+                }
+            }
+            for (which, place) in self.intercept_ends.into_iter().enumerate() {
+                let numbers: Vec<f64> = of_intercept.iter().map(|ends| ends[which]).collect();
+                if !numbers.is_empty() {
+                    fill_slice(place, &numbers);
+                }
+            }
+        }
+        let intercept_p = found.intercept_p_values();
+        if !intercept_p.is_empty() {
+            fill_slice(self.intercept_p, &intercept_p);
+        }
+        fill_slice(self.deviations, &found.residual_deviations());
+        fill_slice(self.adjusted_r_squared, &found.adjusted_r_squared());
+        fill_slice(self.f, &found.f_statistics);
+        fill_slice(self.f_p, &found.f_p_values());
+        fill_slice(self.covariances, &covariances);
+        fill_slice(self.observations, &[found.observations as usize]);
+        Ok(())
+    }
+}
+
+/// Returns the covariances of all targets, with the constant first, or zeros in its place.
+fn covariances(found: &LeastSquares) -> Result<Vec<f64>, Failure> {
+    let (n, k) = found.coefficients.shape();
+    let size = n + 1;
+    let mut all = zeros((size * size).saturating_mul(k))?;
+    for q in 0..k {
+        let covariance = found.covariance(q)?;
+        let first = size - covariance.nrows();
+        let target = &mut all[q * size * size..][..size * size];
+        for j in first..size {
+            for i in first..size {
+                target[j * size + i] = covariance[(i - first, j - first)];
+            }
+        }
+    }
+    Ok(all)
 }
 
 impl cata_lstsq_params {

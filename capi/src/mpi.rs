@@ -222,8 +222,7 @@ pub unsafe extern "C" fn cata_world_lstsq(
                 let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
                 let (a, b, weights) = (call.a, call.b, call.weights);
                 let found = lstsq(entrance.enter(), a, b, weights, &call.options, progress)?;
-                call.finish(&found);
-                Ok(())
+                call.finish(&found)
             })
         }
     })

@@ -35,6 +35,7 @@ mod parse;
 mod pca;
 mod picture;
 mod pieces;
+mod predict;
 mod progress;
 mod ranks;
 mod renamed;
@@ -103,6 +104,7 @@ enum Command {
     Ata(ata::Args),
     AtaMerge(merge::Args),
     Lstsq(lstsq::Args),
+    Predict(predict::Args),
     Pca(pca::Args),
     Svd(svd::Args),
     Mesh(mesh::Args),
@@ -188,6 +190,7 @@ fn run(command: &Command) -> Result<()> {
         Command::Ata(args) => ata::run(args),
         Command::AtaMerge(args) => merge::run(args),
         Command::Lstsq(args) => lstsq::run(args),
+        Command::Predict(args) => predict::run(args),
         Command::Pca(args) => pca::run(args),
         Command::Svd(args) => svd::run(args),
         Command::Mesh(args) => mesh::run(args),

@@ -125,6 +125,11 @@ pub fn gibibytes(text: &str) -> Result<usize, String> {
     }
 }
 
+/// Parses a share, above 0 and below 1.
+pub fn share(text: &str) -> Result<f64, String> {
+    number(text, |x| x > 0.0 && x < 1.0, "a number above 0 and below 1")
+}
+
 /// Parses a finite number.
 pub fn finite(text: &str) -> Result<f64, String> {
     number(text, |_| true, "a finite number")

@@ -66,7 +66,7 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     let picture = path.map(|path| picture::create(path, args.gram.force)).transpose()?;
     args.gram.check(ranks)?;
     let name = || args.gram.input().display().to_string();
-    let table = Table::of(args.gram.open()?);
+    let table = args.gram.complete(Table::of(args.gram.open()?))?;
     let pass = Pass::new(&args.gram, ranks, &table, args.weights.as_deref(), true)?;
     let Some(gram) = pass.gram()? else { return pass.end() };
     let components = match (args.k, args.variance) {

@@ -45,7 +45,7 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     let output = path.map(|path| output::arrays(path, args.gram.force)).transpose()?;
     args.gram.check(ranks)?;
     let name = || args.gram.input().display().to_string();
-    let table = Table::of(args.gram.open()?);
+    let table = args.gram.complete(Table::of(args.gram.open()?))?;
     let pass = Pass::new(&args.gram, ranks, &table, None, false)?;
     let Some(gram) = pass.gram()? else { return pass.end() };
     let found = SingularValues::from_gram(&gram, args.gram.par()).with_context(name)?;

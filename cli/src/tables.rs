@@ -45,6 +45,11 @@ impl MatrixArgs {
     pub fn read<'a>(&self) -> ReadOptions<'a> {
         self.table.read().columns(self.columns.clone().unwrap_or(Columns::ALL))
     }
+
+    /// Returns options as [`TableArgs::read_all_rows`] does.
+    pub fn read_all_rows<'a>(&self) -> ReadOptions<'a> {
+        self.table.read_all_rows().columns(self.columns.clone().unwrap_or(Columns::ALL))
+    }
 }
 
 /// How a file with a matrix is read. By default the file decides; where it has several readings,
@@ -105,6 +110,21 @@ impl TableArgs {
         Self { separator, decimal, thousands, comment, missing_words, encoding, ..others }.read()
     }
 
+    /// Returns what becomes of rows with a missing cell.
+    pub fn missing(&self) -> Missing {
+        self.missing.unwrap_or(TableOptions::new().missing)
+    }
+
+    /// Returns the options of [`TableArgs::read`], but rows that are dropped have NaN: they are
+    /// left out later, with the rows of other files that belong to them.
+    pub fn read_all_rows<'a>(&self) -> ReadOptions<'a> {
+        let mut options = self.read();
+        if options.table.missing == Missing::Drop {
+            options.table.missing = Missing::Nan;
+        }
+        options
+    }
+
     /// Returns the options of the library, within the memory that an input may take.
     pub fn read<'a>(&self) -> ReadOptions<'a> {
         let flag = |yes: bool, no: bool| if yes { Some(true) } else { no.then_some(false) };
@@ -118,7 +138,7 @@ impl TableArgs {
             .index(flag(self.index, self.no_index))
             .encoding(self.encoding.clone());
         table.skip = self.skip.unwrap_or(table.skip);
-        table.missing = self.missing.unwrap_or(table.missing);
+        table.missing = self.missing();
         ReadOptions::new().format(self.format).table(table).max_memory(input::limit())
     }
 }

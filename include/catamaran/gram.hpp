@@ -48,6 +48,8 @@ struct least_squares {
     std::vector<double> coefficients;
     /// n x k.
     std::vector<double> standard_errors;
+    /// n x k: the p value of each coefficient.
+    std::vector<double> p_values;
     /// k: |A x - b| of each target.
     std::vector<double> residual_norms;
     /// k: 1 - |A x - b|^2 / |b|^2 of each target.
@@ -56,11 +58,23 @@ struct least_squares {
     std::vector<double> intercepts;
     /// k; none without intercept.
     std::vector<double> intercept_errors;
+    /// k; none without intercept.
+    std::vector<double> intercept_p_values;
+    /// k: the standard deviation of the residuals of each target.
+    std::vector<double> residual_deviations;
+    /// k: r_squared, adjusted for the number of coefficients.
+    std::vector<double> adjusted_r_squared;
+    /// k: that all coefficients but the constant are 0.
+    std::vector<double> f_statistics;
+    /// k: the p value of each F statistic.
+    std::vector<double> f_p_values;
     /// The columns that depend on others.
     std::vector<std::size_t> dependent;
     /// Columns that do not depend on others.
     std::size_t rank = 0;
-    /// Rows less the rank, and less one more with intercept.
+    /// Rows whose weight is not 0.
+    std::size_t observations = 0;
+    /// Observations less the rank, and less one more with intercept.
     std::size_t degrees_of_freedom = 0;
     /// An estimate of the condition number of A.
     double condition = 1.0;
@@ -157,10 +171,14 @@ public:
         watcher_.attach(params_);
         found_.coefficients.resize(entries(n, k));
         found_.standard_errors.resize(n * k);
-        for (auto* values : {&found_.residual_norms, &found_.r_squared, &found_.intercepts}) {
+        found_.p_values.resize(n * k);
+        for (auto* values : {&found_.residual_norms, &found_.r_squared, &found_.intercepts,
+                             &found_.residual_deviations, &found_.adjusted_r_squared,
+                             &found_.f_statistics, &found_.f_p_values}) {
             values->resize(k);
         }
         found_.intercept_errors.resize(how.intercept ? k : 0);
+        found_.intercept_p_values.resize(how.intercept ? k : 0);
         found_.dependent.resize(n);
         result_.struct_size = sizeof result_;
         result_.residual_norms = found_.residual_norms.data();
@@ -169,6 +187,13 @@ public:
         result_.standard_errors = found_.standard_errors.data();
         result_.intercept_errors = how.intercept ? found_.intercept_errors.data() : nullptr;
         result_.dependent = found_.dependent.data();
+        result_.p_values = found_.p_values.data();
+        result_.intercept_p_values = how.intercept ? found_.intercept_p_values.data() : nullptr;
+        result_.residual_deviations = found_.residual_deviations.data();
+        result_.adjusted_r_squared = found_.adjusted_r_squared.data();
+        result_.f_statistics = found_.f_statistics.data();
+        result_.f_p_values = found_.f_p_values.data();
+        result_.observations = &observations_;
     }
 
     double* x() noexcept { return found_.coefficients.data(); }
@@ -180,6 +205,7 @@ public:
         watcher_.finish(status);
         found_.dependent.resize(columns_ - result_.rank);
         found_.rank = result_.rank;
+        found_.observations = observations_;
         found_.degrees_of_freedom = result_.degrees_of_freedom;
         found_.condition = result_.condition;
         found_.digits = result_.digits;
@@ -191,6 +217,7 @@ private:
     cata_lstsq_result result_{};
     watcher watcher_;
     least_squares found_;
+    std::size_t observations_ = 0;
     std::size_t columns_;
     std::size_t leading_;
 };

@@ -2,7 +2,10 @@
 
 use catamaran::base::{Progress, block_rows};
 use catamaran::faer::{Mat, MatRef};
-use catamaran::rows::{Center, DenseRows, ExtendedGram, RowBlocks, RowOptions, ata_extended};
+use catamaran::rows::{
+    Center, DenseRows, Design, DesignColumn, ExtendedGram, Factor, RowBlocks, RowOptions, Survey,
+    ata_extended,
+};
 use catamaran::solve::{
     Components, GramQr, JoinedRows, LeastSquares, LeastSquaresOptions,
     PrincipalComponents as Principal, PrincipalComponentsOptions, RankDeficiency, SingularValues,
@@ -14,6 +17,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::array::{Array, from_matrix, from_vec, untyped, zeros};
+use crate::error::exception;
 use crate::options::{par, word};
 use crate::task::{Length, run};
 
@@ -153,12 +157,26 @@ impl<'py> IntoPyObject<'py> for Fit {
     type Error = PyErr;
 
     fn into_pyobject(self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let fit = &self.0;
+        let [deviations, adjusted] = [fit.residual_deviations(), fit.adjusted_r_squared()];
+        let [intercept_t, intercept_p] = [fit.intercept_t_statistics(), fit.intercept_p_values()];
+        let f_p_values = fit.f_p_values();
+        let (t, p) = match fit.standard_errors.ncols() {
+            0 => (Mat::new(), Mat::new()),
+            _ => (fit.t_statistics().map_err(exception)?, fit.p_values().map_err(exception)?),
+        };
+        let (root, mean, weight) = match fit.model().uncertainty {
+            Some(found) => (found.root.to_owned(), found.mean.to_vec(), found.weight),
+            None => (Mat::new(), Vec::new(), f64::INFINITY),
+        };
         let LeastSquares {
             coefficients,
             coefficients_low,
             intercepts,
             residual_norms,
             r_squared,
+            f_statistics,
+            observations,
             standard_errors,
             intercept_errors,
             rank,
@@ -176,6 +194,18 @@ impl<'py> IntoPyObject<'py> for Fit {
         found.set_item("r_squared", from_vec(py, r_squared))?;
         found.set_item("standard_errors", from_matrix(py, standard_errors.as_ref())?)?;
         found.set_item("intercept_errors", from_vec(py, intercept_errors))?;
+        found.set_item("t_statistics", from_matrix(py, t.as_ref())?)?;
+        found.set_item("p_values", from_matrix(py, p.as_ref())?)?;
+        found.set_item("intercept_t_statistics", from_vec(py, intercept_t))?;
+        found.set_item("intercept_p_values", from_vec(py, intercept_p))?;
+        found.set_item("residual_deviation", from_vec(py, deviations))?;
+        found.set_item("adjusted_r_squared", from_vec(py, adjusted))?;
+        found.set_item("f_statistic", from_vec(py, f_statistics))?;
+        found.set_item("f_p_value", from_vec(py, f_p_values))?;
+        found.set_item("root", from_matrix(py, root.as_ref())?)?;
+        found.set_item("mean", from_vec(py, mean))?;
+        found.set_item("weight", weight)?;
+        found.set_item("observations", observations)?;
         found.set_item("rank", rank)?;
         found.set_item("dependent", from_vec(py, dependent))?;
         found.set_item("condition", condition)?;
@@ -212,6 +242,79 @@ pub fn lstsq<'py>(
         LeastSquares::from_gram(&gram, targets, &options)
     })
     .map(Fit)
+}
+
+/// A factor: its name, its levels in the order of their codes, and whether the order stays.
+type Coded = (String, Vec<String>, bool);
+
+/// Least squares of a table: columns of A, then codes of factors, NaN where one is missing. Returns
+/// also the names of the columns that factors become, and the rows that are left out.
+#[pyfunction]
+#[pyo3(signature = (a, codes, factors, b, weights, drop, options, progress))]
+pub fn lstsq_table<'py>(
+    py: Python<'py>,
+    a: &Bound<'py, PyAny>,
+    codes: &Bound<'py, PyAny>,
+    factors: Vec<Coded>,
+    b: &Bound<'py, PyAny>,
+    weights: Option<&Bound<'py, PyAny>>,
+    drop: bool,
+    options: FitOptions,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(Fit, Vec<String>, Vec<usize>)> {
+    let (a, b) = (Rows::new("a", a, &[2])?, Rows::new("b", b, &[1, 2])?);
+    let codes = Rows::new("factors", codes, &[2])?;
+    let weights = weights.map(|w| Array::<f64>::new("weights", w, &[1])).transpose()?;
+    let weights = weights.as_ref().map(Array::entries);
+    let options = options.options()?;
+    let (n, targets) = (a.shape().1, b.shape().1);
+    let (mut a, mut codes, mut b) = (a.view(), codes.view(), b.view());
+    let weights = weights.as_deref();
+    let (found, columns, left_out) = run(py, Length::Long, progress, move |progress| {
+        check_weights(weights)?;
+        let mut with_codes = JoinedRows::new(&mut a, &mut codes)?;
+        let mut table = JoinedRows::new(&mut with_codes, &mut b)?;
+        let m = RowBlocks::<f64>::nrows(&table);
+        if let Some(weights) = weights
+            && weights.len() != m
+        {
+            let (expected, got) = ((m, 1), (weights.len(), 1));
+            return Err(Error::Shape { what: "weights", expected, got });
+        }
+        let all = n + factors.len() + targets;
+        let used: Vec<usize> = (0..all).collect();
+        let survey = Survey::of(&mut table, &used, &used[n..n + factors.len()], options.par)?;
+        if let (false, Some(row)) = (drop, survey.missing.first()) {
+            let why = format!("a value is missing in row {row}: missing=\"drop\" leaves it out");
+            return Err(Error::Argument { what: "a", why });
+        }
+        let mut design: Vec<DesignColumn> = used.into_iter().map(DesignColumn::Numbers).collect();
+        let mut columns = Vec::new();
+        for (k, (name, levels, ordered)) in factors.into_iter().enumerate() {
+            let factor = match ordered {
+                true => Factor::in_order(name, levels)?,
+                false => Factor::of_codes(name, levels)?,
+            };
+            let factor = factor.with_entries(&survey.entries[k])?;
+            columns.extend(factor.columns());
+            design[n + k] = DesignColumn::Indicators(n + k, factor);
+        }
+        let left_out = survey.missing.clone();
+        let design = Design::new(design).without_rows(survey.missing);
+        let kept = weights.map(|weights| design.kept(weights)).transpose()?;
+        let mut rows = design.rows(&mut table)?;
+        let (par, intercept) = (options.par, options.intercept);
+        let gram = gram_of(&mut rows, kept.as_deref(), intercept, par, progress)?;
+        Ok((LeastSquares::from_gram(&gram, targets, &options)?, columns, left_out))
+    })?;
+    Ok((Fit(found), columns, left_out))
+}
+
+/// The half-width of a confidence interval in standard errors: the quantile of Student's t
+/// distribution that is exceeded in size with this probability.
+#[pyfunction]
+pub fn t_quantile(probability: f64, freedom: f64) -> f64 {
+    catamaran::solve::t_quantile(probability, freedom)
 }
 
 /// Principal components; see `catamaran.pca`.

@@ -46,7 +46,9 @@ mod _catamaran {
     #[pymodule_export]
     use crate::environment::Nearest;
     #[pymodule_export]
-    use crate::gram::{PrincipalComponents, corrcoef, lstsq, orthogonality, pca, svd};
+    use crate::gram::{
+        PrincipalComponents, corrcoef, lstsq, lstsq_table, orthogonality, pca, svd, t_quantile,
+    };
     #[pymodule_export]
     use crate::mesh::{laplacian, shape};
     #[pymodule_export]

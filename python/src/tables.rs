@@ -44,8 +44,12 @@ pub struct TableArguments {
     encoding: Option<String>,
     #[pyo3(item)]
     format: Option<String>,
+    /// Whether all columns of words are factors.
     #[pyo3(item)]
-    factors: bool,
+    words: bool,
+    /// Names, and numbers as text.
+    #[pyo3(item)]
+    factors: Vec<String>,
     #[pyo3(item)]
     max_memory: Option<u64>,
     /// All cores by default.
@@ -66,7 +70,8 @@ impl TableArguments {
             .missing_words(self.missing_words)
             .index(self.index)
             .encoding(self.encoding)
-            .words(if self.factors { Words::Factor } else { Words::LeaveOut })
+            .words(if self.words { Words::Factor } else { Words::LeaveOut })
+            .factors(self.factors)
             .par(par(self.threads)?);
         let format = match &self.format {
             Some(name) => Some(word("format", name, &FileFormat::NAMES)?),

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 import scipy.sparse
+import scipy.stats
 
 import catamaran
 
@@ -109,3 +110,90 @@ def test_orthogonalize(rng, method):
     q, r, kept = catamaran.orthogonalize(a, method=method)
     assert q.shape == (90, 5) and len(kept) == 5
     assert np.allclose(q.T @ q, np.eye(5), atol=1e-10) and np.allclose(q @ r, a, atol=1e-8)
+
+
+def test_statistics_are_those_of_the_textbook(rng):
+    a, w = rng.standard_normal((40, 3)), rng.integers(0, 4, 40).astype(float)
+    b = a @ [1.0, 0.2, 0.0] + 3 + rng.standard_normal(40)
+    found = catamaran.lstsq(a, b, weights=w, intercept=True)
+    assert found.observations == np.count_nonzero(w)
+    assert found.degrees_of_freedom == found.observations - 4
+    x = np.column_stack([np.ones(40), a])
+    inverse = np.linalg.inv(x.T @ (w[:, None] * x))
+    beta = inverse @ x.T @ (w * b)
+    square = (w * (b - x @ beta) ** 2).sum() / found.degrees_of_freedom
+    covariance = found.covariance()
+    assert np.allclose(covariance, square * inverse, rtol=1e-10)
+    errors = np.sqrt(np.diag(covariance))
+    t = scipy.stats.t(found.degrees_of_freedom)
+    assert np.allclose(found.t_statistics, beta[1:] / errors[1:])
+    assert np.allclose(found.p_values, 2 * t.sf(np.abs(found.t_statistics)), rtol=1e-9)
+    assert np.isclose(found.intercept_p_values, 2 * t.sf(beta[0] / errors[0]), rtol=1e-9)
+    lower, upper = found.confidence_intervals(0.9)
+    assert np.allclose(upper - lower, 2 * t.ppf(0.95) * errors[1:])
+    low, high = found.intercept_intervals(0.9)
+    assert np.isclose(high - low, 2 * t.ppf(0.95) * errors[0])
+    total = (w * (b - np.average(b, weights=w)) ** 2).sum()
+    residual = square * found.degrees_of_freedom
+    assert np.isclose(found.f_statistic, (total - residual) / 3 / square)
+    f = scipy.stats.f.sf(found.f_statistic, 3, found.degrees_of_freedom)
+    assert np.isclose(found.f_p_value, f, rtol=1e-9)
+    assert np.isclose(found.residual_deviation, np.sqrt(square))
+    new = rng.standard_normal((5, 3))
+    rows = np.column_stack([np.ones(5), new])
+    of_mean = np.sqrt(np.einsum("ij,jk,ik->i", rows, covariance, rows))
+    assert np.allclose(found.prediction_errors(new), of_mean)
+    both = found.prediction_errors(new, observation=True)
+    assert np.allclose(both**2, of_mean**2 + square)
+    lower, upper = found.prediction_intervals(new, 0.8, observation=True)
+    assert np.allclose(upper - lower, 2 * t.ppf(0.9) * both)
+    assert np.allclose((upper + lower) / 2, found.predict(new))
+    without = catamaran.lstsq(a, b, standard_errors=False)
+    for call in (without.covariance, without.confidence_intervals):
+        with pytest.raises(ValueError, match="standard_errors"):
+            call()
+    with pytest.raises(ValueError, match="confidence"):
+        found.confidence_intervals(95)
+    two = catamaran.lstsq(a, np.column_stack([b, -b]), intercept=True)
+    assert two.p_values.shape == (3, 2) and two.f_p_value.shape == (2,)
+    assert two.prediction_errors(new).shape == (5, 2)
+
+
+def test_factors_are_columns_of_zeros_and_ones(rng):
+    x, b = rng.standard_normal((30, 2)), rng.standard_normal(30)
+    labels = np.array(["c", "a", "b"])[rng.integers(0, 3, 30)]
+    found = catamaran.lstsq(x, b, intercept=True, factors={"f": labels})
+    assert found.factor_columns == ("f[b]", "f[c]") and found.left_out == ()
+    design = np.column_stack([x, labels == "b", labels == "c"])
+    right = catamaran.lstsq(design, b, intercept=True)
+    assert np.array_equal(found.x, right.x)
+    assert np.array_equal(found.p_values, right.p_values)
+    assert np.allclose(found.predict(design), right.predict(design))
+    # Rows without a label or a number, and a level that only they have.
+    missing = labels.astype(object)
+    missing[4], missing[9], x[9, 1] = None, "z", np.nan
+    with pytest.raises(ValueError, match="row 4.*missing"):
+        catamaran.lstsq(x, b, factors={"f": missing})
+    found = catamaran.lstsq(x, b, intercept=True, factors={"f": missing}, missing="drop")
+    kept = np.delete(np.arange(30), [4, 9])
+    assert found.left_out == (4, 9) and found.factor_columns == ("f[b]", "f[c]")
+    right = catamaran.lstsq(design[kept], b[kept], intercept=True)
+    assert np.array_equal(found.x, right.x) and found.observations == 28
+    numbers = catamaran.lstsq(x[kept], b[kept], factors={"n": rng.integers(8, 12, 28)})
+    assert set(numbers.factor_columns) <= {"n[9]", "n[10]", "n[11]"}
+    with pytest.raises(ValueError, match="two are needed"):
+        catamaran.lstsq(x[kept], b[kept], factors={"f": ["one"] * 28})
+    with pytest.raises(ValueError, match="missing: 'skip'"):
+        catamaran.lstsq(x, b, missing="skip")
+
+
+def test_categories_of_a_data_frame_keep_their_order(rng):
+    class Categorical:
+        """What pandas has."""
+
+        categories = ["small", "large", "huge"]
+        codes = np.array([0, 1, 0, 1, -1, 1], dtype=np.int8)
+
+    x, b = rng.standard_normal((6, 1)), rng.standard_normal(6)
+    found = catamaran.lstsq(x, b, factors={"size": Categorical()}, missing="drop")
+    assert found.factor_columns == ("size[large]",) and found.left_out == (4,)

@@ -23,6 +23,29 @@ def test_numbers_names_and_what_was_decided(tmp_path):
     with pytest.warns(UserWarning):
         factors = catamaran.read(path, factors=True)
     assert factors.levels == {0: ["Bonn", "Ulm"]} and factors.values[:, 0].tolist() == [1, 0]
+    with pytest.warns(UserWarning):
+        named = catamaran.read(path, factors=["ort"], columns=["x", "ort"])
+    assert named.levels == {1: ["Bonn", "Ulm"]}
+    with pytest.warns(UserWarning):
+        assert catamaran.read(path, factors=["none"]).levels == {}
+
+
+def test_factors_of_a_table_go_into_least_squares(tmp_path):
+    path = write(tmp_path, "ort,x,y\nUlm,1,23\nBonn,1,3\nNA,5,0\nUlm,0,20\nBonn,2,6\n")
+    with pytest.warns(UserWarning):
+        table = catamaran.read(path, factors=True, missing="nan")
+    found = catamaran.lstsq(
+        table.values[:, [1]],
+        table.values[:, 2],
+        intercept=True,
+        factors={"ort": table.factor("ort")},
+        missing="drop",
+    )
+    assert found.factor_columns == ("ort[Ulm]",) and found.left_out == (2,)
+    assert np.allclose(found.x, [3, 20])
+    for column in ("x", 1, "none", 7):
+        with pytest.raises(ValueError, match="column"):
+            table.factor(column)
 
 
 def test_columns_are_numbers_names_ranges_or_lists(tmp_path):

@@ -237,7 +237,7 @@ fn broken_text_is_refused_with_its_line_and_the_option_that_decides() {
         ("1,2\n3,\n", 2, "column 2: nothing where a number should be", "`missing`"),
         (",,\n1,2,3\n", 1, "column 1: nothing where a number should be", "`missing`"),
         ("x,y\nm,kg\n1,2\n", 2, "column 1 (x): \"m\" is not a number, in the row", "`skip`"),
-        ("By hand\nx,y\n1,2\n3,4\n", 1, "one name less than the rows have fields", "`skip`"),
+        ("By hand\nx,y\n1,2\n3,4\n", 1, "\"By hand\" has one name less than the rows", "`skip`"),
         ("\"10,000\",1\n\"5,500\",2\n", 1, "column 1: \"10,000\" is 10 with", "`thousands`"),
         ("x,y\n# none\n", 3, "the file ends without a row of numbers", ""),
         ("", 1, "the file ends without a row of numbers", ""),

@@ -37,6 +37,8 @@ pub(crate) struct ExactSums<T, I = i128> {
     pub(super) centered: bool,
     /// Rows so far.
     pub(super) rows: u64,
+    /// Those of weight 0.
+    pub(super) weightless: u64,
     /// Sum of the weights, and of their absolute values, as integers.
     pub(super) weights: [i128; 2],
     /// Sums of the weighted columns; none without centring.
@@ -84,8 +86,18 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
         let len = triangle_len(strip.end) - triangle_len(strip.start);
         let sums = zeros(if centered { grid.ncols() } else { 0 })?;
         let entries = zeros(len)?;
-        let (weights, flags) = ([0; 2], Vec::new());
-        Ok(Self { grid, strip, centered, rows: 0, weights, sums, entries, flags, rounded: false })
+        Ok(Self {
+            grid,
+            strip,
+            centered,
+            rows: 0,
+            weightless: 0,
+            weights: [0; 2],
+            sums,
+            entries,
+            flags: Vec::new(),
+            rounded: false,
+        })
     }
 
     /// Returns whether rows within the bounds may have these sums: as many numbers of as many bits
@@ -101,7 +113,8 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
             row.iter().zip(&bits).all(|(c, b)| c.to_f64().abs() <= most(bits[i] + b))
         };
         let [weight, size] = self.weights;
-        weight.checked_abs().is_some_and(|weight| weight <= size)
+        self.weightless <= self.rows
+            && weight.checked_abs().is_some_and(|weight| weight <= size)
             && size as f64 <= of_weights
             && self.sums.iter().zip(&bits).all(|(&sum, &b)| (sum as f64).abs() <= most(b))
             && self.strip.clone().all(row_is_sound)
@@ -181,7 +194,11 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
             None => add(count as i128),
             Some(weights) => weights.iter().for_each(|&w| add(self.grid.weight_integer(w))),
         }
-        self.rows = if subtract { self.rows - count as u64 } else { self.rows + count as u64 };
+        let weightless = weightless(weights);
+        (self.rows, self.weightless) = match subtract {
+            true => (self.rows - count as u64, self.weightless - weightless),
+            false => (self.rows + count as u64, self.weightless + weightless),
+        };
         Ok(())
     }
 
@@ -225,6 +242,14 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
         if subtract && self.rows < count as u64 {
             let why = format!("{count} rows can't be removed from a sum of {}", self.rows);
             return refuse("block", why);
+        }
+        let weightless = weightless(weights);
+        if subtract && self.weightless < weightless {
+            let why = format!(
+                "{weightless} rows of weight 0 can't be removed from a sum with {} of them",
+                self.weightless
+            );
+            return refuse("weights", why);
         }
         let rows = self.rows.saturating_add(count as u64);
         if !subtract && (slab == 0 || rows > room) {
@@ -446,6 +471,7 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
             other.move_to(&grid)?;
         }
         self.rows = self.rows.saturating_add(other.rows);
+        self.weightless = self.weightless.saturating_add(other.weightless);
         self.rounded |= other.rounded;
         for (own, other) in self.weights.iter_mut().zip(other.weights) {
             *own = own.checked_add(other).ok_or_else(|| too_long::<i128>("weights"))?;
@@ -604,6 +630,11 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
     }
 }
 
+/// Returns the number of weights that are 0.
+fn weightless<T: Real>(weights: Option<&[T]>) -> u64 {
+    weights.unwrap_or_default().iter().filter(|&&weight| weight == T::ZERO).count() as u64
+}
+
 /// Returns the first finite entry beyond the bounds of its column: column and value.
 fn first_beyond<T: Real>(rows: &[T], lower: &[T], upper: &[T]) -> Option<(usize, f64)> {
     let beyond = |(j, x): (usize, &T)| {
@@ -655,6 +686,7 @@ impl<T: BlasReal> ExactSums<T, I256> {
         let about = About {
             exact: !self.rounded,
             rows: self.rows,
+            observations: self.rows.saturating_sub(self.weightless),
             weight: self.weight(),
             mean: if self.centered { (0..n).map(mean).collect() } else { Vec::new() },
             vanished: (0..n).filter(vanishes).collect(),

@@ -36,6 +36,8 @@ pub(crate) struct About {
     /// Whether no entry of the rows was rounded.
     pub exact: bool,
     pub rows: u64,
+    /// Rows whose weight is not 0.
+    pub observations: u64,
     /// Sum of the weights.
     pub weight: f64,
     /// Means of the columns; none unless the matrix is about them.
@@ -101,7 +103,14 @@ impl ExtendedGram {
             Error::check_shape("mean", (n, 1), (mean.len(), 1))?;
         }
         let mean = mean.iter().map(|&mean| [mean, 0.0]).collect();
-        let about = About { exact: true, rows, weight: rows as f64, mean, vanished: Vec::new() };
+        let about = About {
+            exact: true,
+            rows,
+            observations: rows,
+            weight: rows as f64,
+            mean,
+            vanished: Vec::new(),
+        };
         Self::from_entries(n, about, Par::Seq, |i, j| [c[(i, j)], 0.0, 0.0])
     }
 
@@ -125,6 +134,22 @@ impl ExtendedGram {
     /// Returns the number of rows that C is the sum of.
     pub fn rows(&self) -> u64 {
         self.about.rows
+    }
+
+    /// Returns the number of rows whose weight is not 0: those that least squares count.
+    ///
+    /// ```
+    /// use catamaran::rows::{DenseRows, RowOptions, ata_extended};
+    /// use catamaran::{AtaOptions, faer::mat};
+    ///
+    /// let a = mat![[1.0], [2.0], [3.0]];
+    /// let weighted = RowOptions::new().weights(&[1.0, 0.0, 2.0][..]);
+    /// let gram = ata_extended(&mut DenseRows(a.as_ref()), &weighted, &AtaOptions::new())?;
+    /// assert_eq!((gram.rows(), gram.observations(), gram.weight()), (3, 2, 3.0));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    pub fn observations(&self) -> u64 {
+        self.about.observations
     }
 
     /// Returns the sum of the weights of the rows; without weights, their number.

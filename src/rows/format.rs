@@ -1,16 +1,22 @@
 //! An [`Accumulator`] as bytes, little-endian:
 //!
-//! | part | content |
-//! |---|---|
-//! | preamble | `CATAACC` and a zero; version, u32; bytes of a scalar (4 or 8), u32 |
-//! | head | its length in bytes, u32; columns, first and end of the strip, rows, expected rows and rows of a block, u64 each; flags, u8; number of labels, u32; for each label name and value, as length (u32) and UTF-8 |
-//! | check | CRC-32 of everything before, u32 |
-//! | body, floating point | sum of the weights, and of their sizes, f64; shift, n scalars, if given; sum of the shifted rows, n f64, if centred; each row of the strip up to the diagonal, scalars |
-//! | body, exact | of the grid: lower and upper bounds, shift if given, n scalars each; powers, n i32; bound of the weights, scalar, if given; exponent and power of the weights, i32; sum of the weights, and of their sizes, i128; sums of the columns, n i128, if centred; each row of the strip up to the diagonal, i128; what is not finite, u8 for each entry, if given |
-//! | check | CRC-32 of the body, u32 |
+//! - Preamble: `CATAACC` and a zero; version, u32; bytes of a scalar (4 or 8), u32.
+//! - Head: its length in bytes, u32; columns, first and end of the strip, rows, expected rows and
+//!   rows of a block, u64 each; flags, u8; number of labels, u32; for each label name and value, as
+//!   length (u32) and UTF-8.
+//! - Check: CRC-32 of everything before, u32.
+//! - Body, floating point: sum of the weights, and of their sizes, f64; shift, n scalars, if given;
+//!   sum of the shifted rows, n f64, if centred; each row of the strip up to the diagonal, scalars.
+//! - Body, exact: of the grid, lower and upper bounds, shift if given, n scalars each; powers,
+//!   n i32; bound of the weights, scalar, if given; exponent and power of the weights, i32. Then
+//!   sum of the weights, and of their sizes, i128; number of rows of weight 0, i128, if there are
+//!   some; sums of the columns, n i128, if centred; each row of the strip up to the diagonal, i128;
+//!   what is not finite, u8 for each entry, if given.
+//! - Check: CRC-32 of the body, u32.
 //!
 //! Flags: 1 centred, 2 shift given, 4 exact, 8 bound of the weights given, 16 some terms are not
-//! finite, 32 extended precision (entries of 256 bits), 64 some entries were rounded there.
+//! finite, 32 extended precision (entries of 256 bits), 64 some entries were rounded there, 128
+//! some rows have weight 0.
 //!
 //! No allocation depends on the head alone: vectors and C grow with the bytes that arrive, unless
 //! the source is known to be as long as its head says.
@@ -53,7 +59,7 @@ const WEIGHTED: u8 = 8;
 const NON_FINITE: u8 = 16;
 const EXTENDED: u8 = 32;
 const ROUNDED: u8 = 64;
-const KNOWN: u8 = CENTERED | SHIFTED | EXACT | WEIGHTED | NON_FINITE | EXTENDED | ROUNDED;
+const WEIGHTLESS: u8 = 128;
 
 /// Returns the scalar of the accumulator at the start of `source`: `"f32"` or `"f64"`.
 ///
@@ -82,6 +88,7 @@ fn flags_of<T, I>(sums: &ExactSums<T, I>) -> u8 {
         | flag(WEIGHTED, sums.grid.weight.is_some())
         | flag(NON_FINITE, !sums.flags.is_empty())
         | flag(ROUNDED, sums.rounded)
+        | flag(WEIGHTLESS, sums.weightless > 0)
 }
 
 impl<T: BlasReal> Accumulator<T> {
@@ -183,7 +190,7 @@ impl<T: BlasReal> Accumulator<T> {
         for _ in 0..head.number()? {
             labels.push((head.text()?, head.text()?));
         }
-        if flags & !KNOWN != 0 || !head.stream.is_empty() {
+        if !head.stream.is_empty() {
             return Err(invalid("damaged: its head"));
         }
         let fits = |number: u64| usize::try_from(number).map_err(|_| invalid("damaged: its shape"));
@@ -262,9 +269,11 @@ fn put_exact<T: BlasReal, I: Value>(
     sink.put_all(powers)?;
     sink.put_all(weight.as_slice())?;
     sink.put_all(&[*weight_exponent, *weight_power])?;
-    for values in [&sums.weights[..], &sums.sums] {
-        sink.put_all(values)?;
+    sink.put_all(&sums.weights)?;
+    if sums.weightless > 0 {
+        sink.put_all(&[i128::from(sums.weightless)])?;
     }
+    sink.put_all(&sums.sums)?;
     sink.put_all(&sums.entries)?;
     sink.put(&sums.flags)
 }
@@ -292,6 +301,13 @@ fn get_exact<T: BlasReal, I: Value + SumInteger>(
         return Err(invalid("damaged: its grid"));
     }
     let weights = [source.value()?, source.value()?];
+    let weightless = match has(WEIGHTLESS) {
+        true => source.value::<i128>()?,
+        false => 0,
+    };
+    // None are not written.
+    let weightless = u64::try_from(weightless).ok().filter(|&n| (n > 0) == has(WEIGHTLESS));
+    let weightless = weightless.ok_or_else(|| invalid("damaged: its rows of weight 0"))?;
     let sums = source.get_vec(n_if(CENTERED))?;
     let mut entries = Vec::new();
     for i in strip.clone() {
@@ -305,7 +321,18 @@ fn get_exact<T: BlasReal, I: Value + SumInteger>(
         }
     }
     let (centered, rounded) = (has(CENTERED), has(ROUNDED));
-    let read = ExactSums { grid, strip, centered, rows, weights, sums, entries, flags, rounded };
+    let read = ExactSums {
+        grid,
+        strip,
+        centered,
+        rows,
+        weightless,
+        weights,
+        sums,
+        entries,
+        flags,
+        rounded,
+    };
     if !read.is_sound() {
         return Err(invalid("damaged: sums that its rows can't have"));
     }

@@ -4,8 +4,10 @@
 mod accumulator;
 mod ata;
 mod blocks;
+mod design;
 mod exact;
 mod extended;
+mod factor;
 mod float;
 mod format;
 mod grid;
@@ -23,7 +25,9 @@ mod wide;
 
 pub use accumulator::Accumulator;
 pub use ata::{Center, RowOptions, ata_extended, ata_rows};
+pub use design::{Design, DesignColumn, DesignRows, Survey};
 pub use extended::ExtendedGram;
+pub use factor::Factor;
 pub use format::scalar_of;
 pub use grid::RowBounds;
 pub use plan::StreamPlan;

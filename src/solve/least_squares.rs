@@ -2,9 +2,10 @@ use faer::Mat;
 
 use super::cholesky::{PivotedCholesky, Pivoting, check_lengths, exponent, named, tolerance};
 use super::columns::Columns;
-use super::double::{DoubleDouble, TripleSum, scaled};
+use super::double::{TripleSum, scaled};
 use super::refine::{Outcome, Refined};
 use super::row_space::RowSpace;
+use super::spread::{Spread, deviations};
 use crate::base::{Error, Par, Result, options};
 use crate::dense::zeros;
 use crate::rows::ExtendedGram;
@@ -39,7 +40,8 @@ options! {
         intercept: bool = false;
         /// What happens when columns depend on others.
         rank_deficiency: RankDeficiency = RankDeficiency::MinimumNorm;
-        /// Whether standard errors are computed, which takes a few times as long as the solution.
+        /// Whether standard errors and the covariance of coefficients are computed, which takes a
+        /// few times as long as the solution.
         standard_errors: bool = true;
         /// Threads. Their number does not change the result.
         par: Par = Par::all();
@@ -81,6 +83,11 @@ pub struct LeastSquares {
     pub residual_norms: Vec<f64>,
     /// `1 - |A x - b|^2 / |b|^2`, with b about its mean where the matrix is; 1 for a residual of 0.
     pub r_squared: Vec<f64>,
+    /// The F statistic of each target, that all coefficients but the intercept are 0: the square
+    /// of the fit (about its mean where the matrix is) over the rank, over that of the residual
+    /// over the degrees of freedom. Infinite for a residual of 0; NaN with a ridge, for rank 0 and
+    /// without degrees of freedom.
+    pub f_statistics: Vec<f64>,
     /// The standard error of each coefficient, n x k; with columns that depend on others, that of
     /// the solution of least norm. NaN without degrees of freedom, 0 x 0 when not requested.
     pub standard_errors: Mat<f64>,
@@ -93,13 +100,23 @@ pub struct LeastSquares {
     /// Estimate of the condition number of A (of A over `ridge^(1/2) I`), about the mean where the
     /// matrix is: [`PivotedCholesky::condition`].
     pub condition: f64,
-    /// Rows less the rank, and less one more where the matrix is about the mean.
+    /// Rows whose weight is not 0.
+    pub observations: u64,
+    /// Observations less the rank, and less one more where the matrix is about the mean.
     pub degrees_of_freedom: u64,
     /// Decimal digits of the coefficients, relative to the largest when columns have norm 1, that
     /// agree with the exact solution for the rows as they are given, from 0 to 15.95: those of
     /// `n K^2 2^-156` where no entry was rounded, else of `n K^2 2^-80`, with K as in
     /// [`PivotedCholesky::scaled_condition`]. `n K^2 2^-104` counts where refinement ended early.
     pub digits: f64,
+    /// None unless standard errors were requested.
+    pub(crate) spread: Option<Spread>,
+}
+
+/// The squared lengths of a residual and of the fit, for a scaled target.
+struct Squares {
+    residual: f64,
+    fit: f64,
 }
 
 /// Columns of A and targets of a Gram matrix.
@@ -148,15 +165,15 @@ impl Problem<'_> {
         self.gram.entry(at, at).map(|part| scaled(part, -2 * self.exponents[q]))
     }
 
-    /// Returns `|A x - b|^2` of each target, scaled, for a solution and the residual of its
-    /// equations.
+    /// Returns `|A x - b|^2` of each target, scaled, and what it is less than `|b|^2`, for a
+    /// solution and the residual of its equations.
     ///
     /// It is `b^T b - x^T A^T b - x^T r`, with r the residual of the equations without the ridge,
     /// so that errors of x enter only as squares.
-    fn residuals(&self, factor: &PivotedCholesky, x: &Columns<2>, rest: &Columns<3>) -> Vec<f64> {
+    fn squares(&self, factor: &PivotedCholesky, x: &Columns<2>, rest: &Columns<3>) -> Vec<Squares> {
         // The accuracy of sums in three parts, and of those of rounded entries.
         let unit = 2f64.powi(if self.gram.is_exact() { -150 } else { -79 });
-        let residual = |q: usize| {
+        let squares = |q: usize| {
             let mut sum = TripleSum::default();
             sum.add_parts(self.square(q));
             let mut size = self.square(q)[0].sqrt();
@@ -171,25 +188,40 @@ impl Problem<'_> {
                 sum.add_products([square.hi, square.lo, 0.0], [-ridge, 0.0, 0.0]);
                 size += 2.0 * value.hi.abs();
             }
-            let square = sum.double().hi;
+            let residual = sum.double().hi;
             let noise = (factor.rank + 2) as f64 * unit * size * size;
-            if square > noise { square } else { 0.0 }
+            let mut fit = TripleSum::default();
+            fit.add_parts(self.square(q));
+            fit.add_parts(sum.parts().map(|part| -part));
+            let fit = fit.double().hi;
+            let positive = |square: f64| if square > noise { square } else { 0.0 };
+            Squares { residual: positive(residual), fit: positive(fit) }
         };
-        (0..self.exponents.len()).map(residual).collect()
+        (0..self.exponents.len()).map(squares).collect()
     }
 
-    /// Returns [`LeastSquares::residual_norms`], from [`Problem::residuals`].
-    fn residual_norms(&self, squares: &[f64]) -> Vec<f64> {
+    /// Returns [`LeastSquares::residual_norms`], from [`Problem::squares`].
+    fn residual_norms(&self, squares: &[Squares]) -> Vec<f64> {
         let norms = squares.iter().zip(&self.exponents);
-        norms.map(|(square, &exponent)| scaled(square.sqrt(), exponent)).collect()
+        norms.map(|(square, &exponent)| scaled(square.residual.sqrt(), exponent)).collect()
     }
 
-    /// Returns [`LeastSquares::r_squared`], from [`Problem::residuals`].
-    fn r_squared(&self, squares: &[f64]) -> Vec<f64> {
-        let share = |(q, &square): (usize, &f64)| {
-            if square == 0.0 { 1.0 } else { 1.0 - square / self.square(q)[0] }
+    /// Returns [`LeastSquares::r_squared`], from [`Problem::squares`].
+    fn r_squared(&self, squares: &[Squares]) -> Vec<f64> {
+        let share = |(q, square): (usize, &Squares)| match square.residual == 0.0 {
+            true => 1.0,
+            false => 1.0 - square.residual / self.square(q)[0],
         };
         squares.iter().enumerate().map(share).collect()
+    }
+
+    /// Returns [`LeastSquares::f_statistics`], from [`Problem::squares`].
+    fn f_statistics(&self, squares: &[Squares], rank: usize, freedom: u64) -> Vec<f64> {
+        let statistic = |square: &Squares| match self.ridge == 0.0 && rank > 0 && freedom > 0 {
+            true => square.fit / rank as f64 / (square.residual / freedom as f64),
+            false => f64::NAN,
+        };
+        squares.iter().map(statistic).collect()
     }
 
     /// Returns the two parts of the coefficients, n x k, from those of the scaled targets, by rows
@@ -278,7 +310,7 @@ impl LeastSquares {
         let refined = Refined::new(&factor, par, entry)?;
         let right = problem.right_sides(&factor)?;
         let (x, outcome) = refined.solve(&right)?;
-        let squares = problem.residuals(&factor, &x, &refined.residual(&right, &x)?);
+        let squares = problem.squares(&factor, &x, &refined.residual(&right, &x)?);
         let row_space = match rank < n {
             true => Some(RowSpace::new(&factor, &refined, par, entry)?),
             false => None,
@@ -287,10 +319,12 @@ impl LeastSquares {
         let (coefficients, coefficients_low) =
             problem.coefficients(&factor, &completion.of(&x)?)?;
         let centered = u64::from(!gram.mean().is_empty());
+        let freedom = gram.observations().saturating_sub(rank as u64 + centered);
         let mut found = Self {
             intercepts: vec![0.0; targets],
             residual_norms: problem.residual_norms(&squares),
             r_squared: problem.r_squared(&squares),
+            f_statistics: problem.f_statistics(&squares, rank, freedom),
             coefficients,
             coefficients_low,
             standard_errors: Mat::new(),
@@ -298,15 +332,19 @@ impl LeastSquares {
             rank,
             dependent: factor.dependent().to_vec(),
             condition: factor.condition()?,
-            degrees_of_freedom: gram.rows().saturating_sub(rank as u64 + centered),
+            observations: gram.observations(),
+            degrees_of_freedom: freedom,
             digits: digits(&factor, gram.is_exact(), outcome)?,
+            spread: None,
         };
         if options.intercept {
             found.intercepts = (0..targets).map(|q| found.intercept(gram, q)).collect();
         }
         if options.standard_errors {
             let spread = completion.of(&spread(&problem, &factor, par)?)?;
-            found.add_errors(gram, &factor, &spread, options.intercept)?;
+            let spread = Spread::new(gram, factor.order(), &spread, options.intercept)?;
+            found.add_errors(&spread, options.intercept)?;
+            found.spread = Some(spread);
         }
         Ok(found)
     }
@@ -324,38 +362,19 @@ impl LeastSquares {
         sum.rounded()
     }
 
-    /// Computes standard errors from a `spread` F, by rows in the order of the factor, for which
-    /// `F F^T` is the covariance of coefficients whose residuals have variance 1.
-    fn add_errors(
-        &mut self,
-        gram: &ExtendedGram,
-        factor: &PivotedCholesky,
-        spread: &Columns<2>,
-        intercept: bool,
-    ) -> Result<()> {
+    /// Computes standard errors.
+    fn add_errors(&mut self, spread: &Spread, intercept: bool) -> Result<()> {
         let (n, targets) = self.coefficients.shape();
-        let freedom = self.degrees_of_freedom as f64;
-        let deviation: Vec<f64> = self
-            .residual_norms
-            .iter()
-            .map(|norm| if freedom > 0.0 { norm / freedom.sqrt() } else { f64::NAN })
-            .collect();
+        let deviations = deviations(&self.residual_norms, self.degrees_of_freedom);
         let mut errors = zeros(n, targets)?;
-        for (i, &column) in factor.order().iter().enumerate() {
-            let length = norm(spread.col(i, 0)[0]);
-            (0..targets).for_each(|q| errors[(column, q)] = deviation[q] * length);
+        for j in 0..n {
+            let length = spread.length(j);
+            (0..targets).for_each(|q| errors[(j, q)] = deviations[q] * length);
         }
         self.standard_errors = errors;
         if intercept {
-            let mut sum = Columns::<2>::new(spread.rows, 1)?;
-            let mut row = sum.pairs_mut(0, 0);
-            for (i, &column) in factor.order().iter().enumerate() {
-                let [hi, lo] = gram.mean()[column];
-                row.subtract(spread.pairs(i, 0), DoubleDouble { hi, lo });
-            }
-            row.normalize();
-            let length = norm(sum.col(0, 0)[0]).hypot(gram.weight().sqrt().recip());
-            self.intercept_errors = deviation.iter().map(|d| d * length).collect();
+            let length = spread.intercept_length();
+            self.intercept_errors = deviations.iter().map(|d| d * length).collect();
         }
         Ok(())
     }
@@ -429,14 +448,4 @@ fn digits(factor: &PivotedCholesky, exact: bool, outcome: Outcome) -> Result<f64
     let error = factor.n().max(1) as f64 * condition * condition * 2f64.powi(unit);
     let most = f64::from(f64::MANTISSA_DIGITS) * std::f64::consts::LOG10_2;
     Ok((-error.log10()).clamp(0.0, most))
-}
-
-/// Returns the Euclidean norm of a vector, whose squares may be out of range.
-fn norm(x: &[f64]) -> f64 {
-    let largest = x.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
-    if largest == 0.0 {
-        return 0.0;
-    }
-    let sum: f64 = x.iter().map(|x| (x / largest) * (x / largest)).sum();
-    largest * sum.sqrt()
 }

@@ -15,6 +15,7 @@ mod jacobi;
 mod least_squares;
 mod orthogonality;
 mod pairs;
+mod predict;
 mod principal;
 mod qr;
 mod refine;
@@ -22,6 +23,9 @@ mod row_space;
 mod rows;
 mod singular;
 mod slices;
+mod spread;
+mod statistics;
+mod tails;
 #[cfg(test)]
 mod tests;
 mod triangular;
@@ -32,6 +36,7 @@ pub use double::DoubleDouble;
 pub use least_squares::{LeastSquares, LeastSquaresOptions, RankDeficiency};
 pub use orthogonality::{Orthogonality, orthogonality};
 pub use pairs::sum_of_pairs;
+pub use predict::{Interval, LinearModel, Uncertainty};
 pub use principal::{Components, PrincipalComponents, PrincipalComponentsOptions};
 pub use qr::GramQr;
 #[cfg(feature = "mpi")]
@@ -41,3 +46,6 @@ pub use rows::{
     singular_values_rows,
 };
 pub use singular::SingularValues;
+#[cfg(feature = "mpi")]
+pub(crate) use spread::Spread;
+pub use tails::{f_probability, t_probability, t_quantile};

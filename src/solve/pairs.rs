@@ -44,6 +44,7 @@ pub fn sum_of_pairs(gram: &ExtendedGram, n: usize) -> Result<ExtendedGram> {
     let about = About {
         exact: gram.is_exact(),
         rows: gram.rows(),
+        observations: gram.observations(),
         weight: gram.weight(),
         // The rests of columns, their second source, may vanish.
         vanished: (0..columns - n).filter(|&j| gram.vanished().contains(&sources(j)[0])).collect(),

@@ -58,7 +58,14 @@ fn products(a: MatRef<'_, f64>) -> Vec<Vec<BigInt>> {
 
 fn gram_with(a: MatRef<'_, f64>, exact: bool) -> ExtendedGram {
     let (products, m) = (products(a), a.nrows());
-    let about = About { exact, rows: m as u64, weight: m as f64, mean: vec![], vanished: vec![] };
+    let about = About {
+        exact,
+        rows: m as u64,
+        observations: m as u64,
+        weight: m as f64,
+        mean: vec![],
+        vanished: vec![],
+    };
     let one = BigInt::from(1);
     ExtendedGram::from_entries(a.ncols(), about, Par::Seq, |i, j| {
         parts(&products[i][j], &one, 2 * UNIT)
@@ -79,6 +86,7 @@ fn centered(a: MatRef<'_, f64>) -> ExtendedGram {
     let about = About {
         exact: true,
         rows: a.nrows() as u64,
+        observations: a.nrows() as u64,
         weight: a.nrows() as f64,
         mean,
         vanished: vec![],
@@ -445,7 +453,14 @@ fn shifted(gram: &ExtendedGram, shifts: &[i32]) -> ExtendedGram {
     let (rows, mean) = (gram.rows(), gram.mean());
     let times = |x: f64, power: i32| double::scaled(x, power);
     let mean = mean.iter().zip(shifts).map(|(m, &s)| m.map(|m| times(m, s))).collect();
-    let about = About { exact: true, rows, weight: gram.weight(), mean, vanished: vec![] };
+    let about = About {
+        exact: true,
+        rows,
+        observations: gram.observations(),
+        weight: gram.weight(),
+        mean,
+        vanished: vec![],
+    };
     let entry = |i, j| gram.entry(i, j).map(|part| times(part, shifts[i] + shifts[j]));
     ExtendedGram::from_entries(gram.n(), about, Par::Seq, entry).unwrap()
 }

@@ -245,6 +245,10 @@ void gram_matrices() {
     CHECK((line.r_squared == std::vector<double>{1, 1}) && line.standard_errors.size() == 2);
     CHECK(line.rank == 1 && line.dependent.empty() && line.degrees_of_freedom == 1);
     CHECK(line.intercept_errors.size() == 2 && line.digits > 15);
+    CHECK((line.p_values == std::vector<double>{0, 0}) && line.intercept_p_values.size() == 2);
+    CHECK((line.f_p_values == std::vector<double>{0, 0}) && line.observations == 3);
+    CHECK((line.adjusted_r_squared == std::vector<double>{1, 1}));
+    CHECK((line.residual_deviations == std::vector<double>{0, 0}));
     CHECK(catamaran::lstsq(a, targets).intercept_errors.empty());
     CHECK(catamaran::lstsq(a, targets, {0, 1, 0}).coefficients == (std::vector<double>{3, 3}));
     CHECK(status_of([&] { catamaran::lstsq(a, targets, {1, 1}); }) == CATA_ERR_SHAPE);

@@ -134,6 +134,54 @@ static void test_dependent_columns(void)
     CHECK(x[0] == 7 && result.condition == 7);
 }
 
+/* lm(c(0, 3, 0) ~ c(0, 1, 2)) of R: the square of the residual is 6, with one degree of freedom. */
+static void test_statistics_of_lstsq(void)
+{
+    const double a[3] = {0, 1, 2}, b[3] = {0, 3, 0}, quantile = 12.706204736174704;
+    double x, t, p, lower, upper, constant_p, constant_lower, constant_upper, deviation, adjusted;
+    double f, f_p, covariance[4];
+    size_t observations = 0;
+    cata_lstsq_params params;
+    CHECK_STATUS(cata_lstsq_params_init(&params, sizeof params), CATA_OK);
+    params.intercept = 1;
+    cata_lstsq_result result = {.struct_size = sizeof result,
+                                .t_statistics = &t, .p_values = &p, .lower = &lower,
+                                .upper = &upper, .intercept_p_values = &constant_p,
+                                .intercept_lower = &constant_lower,
+                                .intercept_upper = &constant_upper,
+                                .residual_deviations = &deviation,
+                                .adjusted_r_squared = &adjusted, .f_statistics = &f,
+                                .f_p_values = &f_p, .covariances = covariance,
+                                .observations = &observations};
+    CHECK_STATUS(cata_lstsq(CATA_ROW_MAJOR, 3, 1, 1, a, 1, b, 1, NULL, &x, 1, &result, &params),
+                 CATA_OK);
+    CHECK(x == 0.0 && t == 0.0 && p == 1.0 && f == 0.0 && f_p == 1.0 && observations == 3);
+    CHECK(fabs(lower + quantile * sqrt(3.0)) < 1e-12 && lower == -upper);
+    CHECK(fabs(constant_lower - (1.0 - quantile * sqrt(5.0))) < 1e-12);
+    CHECK(fabs(constant_upper - (1.0 + quantile * sqrt(5.0))) < 1e-12);
+    CHECK(fabs(constant_p - 0.7322795271987701) < 1e-14);
+    CHECK(NEAR(deviation, sqrt(6.0)) && fabs(adjusted + 1.0) < 1e-14);
+    const double right[4] = {5, -3, -3, 3};
+    for (size_t i = 0; i < 4; i++) {
+        CHECK(fabs(covariance[i] - right[i]) < 1e-14);
+    }
+    /* A wrong confidence leaves all outputs as they were. */
+    params.confidence = 95;
+    x = lower = 7;
+    CHECK_STATUS(cata_lstsq(CATA_ROW_MAJOR, 3, 1, 1, a, 1, b, 1, NULL, &x, 1, &result, &params),
+                 CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("confidence");
+    CHECK(x == 7 && lower == 7);
+    /* A row of weight 0 is no observation; the constant has row 0 of the covariance alone. */
+    const double weights[3] = {1, 1, 0};
+    params.confidence = 0.5;
+    params.intercept = 0;
+    CHECK_STATUS(cata_lstsq(CATA_ROW_MAJOR, 3, 1, 1, a, 1, b, 1, weights, &x, 1, &result, &params),
+                 CATA_OK);
+    CHECK(x == 3.0 && observations == 2 && result.degrees_of_freedom == 1);
+    CHECK(covariance[0] == 0.0 && covariance[1] == 0.0 && covariance[2] == 0.0);
+}
+
 static void test_lstsq_refusals(void)
 {
     double a[6] = {1, 2, 3, 4, 5, 7}, b[3] = {1, 2, 3}, weights[3] = {1, 1, 1};
@@ -536,6 +584,7 @@ int main(void)
     test_lines_are_fitted_exactly();
     test_statistics_of_a_line();
     test_dependent_columns();
+    test_statistics_of_lstsq();
     test_lstsq_refusals();
     test_pca_of_a_line();
     test_pca_refusals();

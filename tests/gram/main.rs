@@ -2,6 +2,7 @@
 
 #[path = "../common/nist.rs"]
 mod nist;
+mod statistics;
 
 use catamaran::base::Rng;
 use catamaran::faer::{Mat, MatMut, MatRef};

@@ -55,12 +55,19 @@ pub const SCENES: &[Scene] = &[
 
 /// Every number of a solution.
 fn bits(found: &LeastSquares) -> Vec<u64> {
-    let matrices = [&found.coefficients, &found.coefficients_low, &found.standard_errors];
+    let covariance = found.covariance(0).unwrap_or_else(|_| Mat::new());
+    let matrices =
+        [&found.coefficients, &found.coefficients_low, &found.standard_errors, &covariance];
     let entries = matrices.into_iter().flat_map(|m| m.col_iter().flat_map(|column| column.iter()));
-    let vectors =
-        [&found.intercepts, &found.residual_norms, &found.r_squared, &found.intercept_errors];
+    let vectors = [
+        &found.intercepts,
+        &found.residual_norms,
+        &found.r_squared,
+        &found.f_statistics,
+        &found.intercept_errors,
+    ];
     let values = vectors.into_iter().flatten().chain([&found.condition, &found.digits]);
-    let counts = [found.rank as u64, found.degrees_of_freedom];
+    let counts = [found.rank as u64, found.observations, found.degrees_of_freedom];
     let dependent = found.dependent.iter().map(|&column| column as u64);
     entries.chain(values).map(|x| x.to_bits()).chain(counts).chain(dependent).collect()
 }

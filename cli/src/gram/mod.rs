@@ -1,6 +1,7 @@
 //! The passes over rows that `lstsq`, `pca` and `svd` share: one pass to the Gram matrix in
 //! extended precision, and a second one to what is computed from each row.
 
+mod complete;
 mod second;
 mod table;
 
@@ -15,6 +16,7 @@ use catamaran::rows::{Accumulator, ExtendedGram, RowBounds, stream};
 use catamaran::solve::check_weights;
 use catamaran::{AtaOptions, Par};
 
+pub use self::complete::survey;
 pub use self::second::second_pass;
 pub use self::table::Table;
 use crate::common::{Force, Threads};
@@ -71,7 +73,15 @@ impl GramArgs {
 
     /// Opens A.
     pub fn open(&self) -> Result<Source> {
-        open("A", &self.input, &self.matrix.read())
+        self.open_with_factors(Vec::new())
+    }
+
+    /// Opens A, in which columns of words with these names are factors. Rows with a missing value
+    /// are still there with `--missing drop`.
+    pub fn open_with_factors(&self, factors: Vec<String>) -> Result<Source> {
+        let mut options = self.matrix.read_all_rows();
+        options.table = options.table.factors(factors);
+        open("A", &self.input, &options)
     }
 }
 
@@ -104,6 +114,7 @@ impl<'a> Pass<'a> {
             Some(path) => {
                 let weights = read_weights(path, table.a(), args.other_tables())?;
                 check_weights(Some(&weights)).with_context(|| path.display().to_string())?;
+                let weights = table.kept(weights)?;
                 if !weights.is_empty() && weights.iter().all(|&weight| weight == 0.0) {
                     bail!("{}: all weights are zero", path.display());
                 }

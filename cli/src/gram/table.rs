@@ -1,5 +1,5 @@
 //! The rows that are added: those of a file, of two files side by side, or of a file with its
-//! columns in another order.
+//! columns in another order; as they are, or those of a design.
 
 use std::ops::Range;
 use std::path::Path;
@@ -7,15 +7,17 @@ use std::path::Path;
 use anyhow::{Result, bail};
 use catamaran::faer::MatMut;
 use catamaran::faer::prelude::ReborrowMut;
-use catamaran::rows::RowBlocks;
+use catamaran::rows::{Design, DesignColumn, RowBlocks};
 use catamaran::solve::JoinedRows;
 
-use crate::rows::{Part, Source};
+use crate::rows::{Part, Source, fingerprint};
 
 /// Rows of f64.
 pub struct Table {
     a: Source,
     with: With,
+    /// None if the rows are those of the files.
+    design: Option<Design>,
 }
 
 /// What is done with the rows of A.
@@ -30,13 +32,11 @@ enum With {
 impl Table {
     /// Returns the rows of A.
     pub fn of(a: Source) -> Self {
-        Self { a, with: With::Nothing }
+        Self { a, with: With::Nothing, design: None }
     }
 
     /// Returns the rows of `[A B]`.
     pub fn joined(a: Source, b: Source) -> Result<Self> {
-        a.refuse_dropped(b.path())?;
-        b.refuse_dropped(a.path())?;
         let ((m, _), (rows, columns)) = (a.shape(), b.shape());
         if rows != m {
             bail!(
@@ -45,12 +45,17 @@ impl Table {
                 a.path().display()
             );
         }
-        Ok(Self { a, with: With::Columns(Box::new(b)) })
+        Ok(Self { a, with: With::Columns(Box::new(b)), design: None })
     }
 
     /// Returns the rows of A with its columns in this order, a permutation.
     pub fn ordered(a: Source, order: Vec<usize>) -> Self {
-        Self { a, with: With::Order(order) }
+        Self { a, with: With::Order(order), design: None }
+    }
+
+    /// Replaces the rows by those of a design.
+    pub fn designed(self, design: Design) -> Self {
+        Self { design: Some(design), ..self }
     }
 
     /// Returns A.
@@ -60,11 +65,30 @@ impl Table {
 
     /// Returns the number of rows.
     pub fn nrows(&self) -> usize {
+        let left_out = self.design.as_ref().map_or(0, |design| design.left_out().len());
+        self.all_rows() - left_out
+    }
+
+    /// Returns the number of rows of the files.
+    pub fn all_rows(&self) -> usize {
         self.a.shape().0
+    }
+
+    /// Returns those of the numbers of all rows that belong to rows of the design.
+    pub fn kept(&self, numbers: Vec<f64>) -> Result<Vec<f64>> {
+        Ok(match &self.design {
+            Some(design) => design.kept(&numbers)?,
+            None => numbers,
+        })
     }
 
     /// Returns the number of columns.
     pub fn ncols(&self) -> usize {
+        self.design.as_ref().map_or_else(|| self.all_columns(), Design::ncols)
+    }
+
+    /// Returns the number of columns of the files.
+    fn all_columns(&self) -> usize {
         let more = match &self.with {
             With::Columns(b) => b.shape().1,
             With::Nothing | With::Order(_) => 0,
@@ -75,6 +99,7 @@ impl Table {
     /// Returns the file of a column, and its name there.
     pub fn column(&self, j: usize) -> (&Path, String) {
         let n = self.a.shape().1;
+        let j = self.design.as_ref().map_or(j, |design| column_of(design, j));
         let (source, j) = match &self.with {
             With::Columns(b) if j >= n => (&**b, j - n),
             With::Order(order) => (&self.a, order[j]),
@@ -90,11 +115,34 @@ impl Table {
             With::Columns(b) => b.identity(),
             With::Order(order) => format!("columns in the order {order:?}"),
         };
+        let with = match &self.design {
+            None => with,
+            Some(design) => {
+                let left_out: Vec<f64> = design.left_out().iter().map(|&row| row as f64).collect();
+                let (count, rows) = (left_out.len(), fingerprint(&left_out));
+                let columns = design.columns();
+                format!("{with}, without {count} rows ({rows:016x}), columns {columns:?}")
+            }
+        };
         [self.a.identity(), with]
     }
 
-    /// Calls `work` with some of the rows; `require_finite` refuses NaN and infinities.
+    /// Calls `work` with some of the rows; `require_finite` refuses NaN and infinities, of which
+    /// the rows of a design have none.
     pub fn read<R>(
+        &self,
+        range: Range<usize>,
+        require_finite: bool,
+        work: impl FnOnce(&mut (dyn RowBlocks<f64> + Send)) -> catamaran::Result<R>,
+    ) -> Result<R> {
+        let Some(design) = &self.design else { return self.read_all(range, require_finite, work) };
+        self.read_all(0..self.all_rows(), false, |table| {
+            work(&mut Part { rows: Box::new(design.rows(table)?), range })
+        })
+    }
+
+    /// Calls `work` as [`Table::read`] does, with the rows of the files.
+    pub fn read_all<R>(
         &self,
         range: Range<usize>,
         require_finite: bool,
@@ -112,6 +160,16 @@ impl Table {
             }
         })
     }
+}
+
+/// Returns the column of the table that column j of the matrix comes from.
+fn column_of(design: &Design, j: usize) -> usize {
+    let sources = design.columns().iter().flat_map(|column| match column {
+        DesignColumn::Indicators(from, factor) => vec![*from; factor.columns().len()],
+        DesignColumn::Numbers(from) => vec![*from],
+        _ => Vec::new(),
+    });
+    sources.into_iter().nth(j).unwrap_or(j)
 }
 
 /// Rows with their columns in another order.

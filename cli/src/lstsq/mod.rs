@@ -1,5 +1,6 @@
 //! `catamaran lstsq`.
 
+mod design;
 mod names;
 mod output;
 
@@ -10,9 +11,11 @@ use catamaran::io::Output;
 use catamaran::solve::{LeastSquares, LeastSquaresOptions};
 use clap::ArgGroup;
 
+use self::design::Designed;
 use self::output::Solution;
 use crate::gram::{GramArgs, Pass, Table};
 use crate::output as files;
+use crate::parse;
 use crate::ranks::Ranks;
 use crate::report::note;
 use crate::rows::open;
@@ -23,12 +26,14 @@ use crate::tables::MatrixFile;
 /// Rows are read twice, block by block (.npy and HDF5 may be larger than memory): once for their
 /// bounds, once for A^T A in extended precision, which gives more digits than a QR decomposition in
 /// double precision. Where columns depend on others, X is the solution of least norm. Prints each
-/// coefficient with its standard error and its t statistic. Under `mpirun` (where MPI is built in)
-/// each rank takes a part of the rows, and the result is the same.
+/// coefficient with its standard error, its t statistic and its p value. Under `mpirun` (where MPI
+/// is built in) each rank takes a part of the rows, and the result is the same.
 ///
-/// The output file has the arrays `x` and `standard_error` (n x k), `residual_norm` and `r_squared`
-/// (k), `x_low` (n x k, what rounding removed from `x`), with --intercept `intercept` and
-/// `intercept_error` (k), and `rank`, `dependent`, `degrees_of_freedom`, `condition` and `digits`.
+/// The output file has the arrays `x`, `standard_error`, `t` and `p` (n x k), `residual_norm`,
+/// `residual_deviation`, `r_squared`, `adjusted_r_squared`, `f_statistic` and `f_p` (k), `x_low` (n
+/// x k, what rounding removed from `x`), with --intercept `intercept`, `intercept_error`,
+/// `intercept_t` and `intercept_p` (k), and `rank`, `dependent`, `observations`,
+/// `degrees_of_freedom`, `condition` and `digits`.
 #[derive(clap::Args)]
 #[command(
     group = ArgGroup::new("target").args(["b", "by_column"]).required(true),
@@ -54,6 +59,21 @@ pub struct Args {
     /// Also fit a constant for each target.
     #[arg(long)]
     intercept: bool,
+    /// Take this column of A for a factor: it becomes one column for each of its values but the
+    /// base, with 1 in the rows of that value and 0 elsewhere, and each coefficient is a difference
+    /// from the base. The base is the least value unless it is named after an equals sign. May be
+    /// given several times.
+    #[arg(long, value_name = "NAME[=BASE]")]
+    factor: Vec<String>,
+    /// Also print and write confidence intervals with this confidence, such as 0.95: `lower` and
+    /// `upper`, and with --intercept `intercept_lower` and `intercept_upper`.
+    #[arg(long, value_name = "SHARE", value_parser = parse::share)]
+    confidence: Option<f64>,
+    /// Also write the covariance of the coefficients of each target, the intercept first: the array
+    /// `covariance` (the targets one below the other), and in .json what `predict` needs for
+    /// standard errors.
+    #[arg(long, requires = "output")]
+    covariance: bool,
     /// Fail if columns depend linearly on others.
     #[arg(long)]
     refuse_dependent: bool,
@@ -76,10 +96,13 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     }
     let outputs = if ranks.is_first() { start(args)? } else { Vec::new() };
     args.gram.check(ranks)?;
-    let Rows { table, columns, targets } = rows(args)?;
-    refuse_empty(args, &columns, &targets)?;
+    let rows = rows(args)?;
+    refuse_empty(args, &rows.columns, &rows.targets)?;
+    let input = args.gram.input();
+    let designed = design::apply(&args.gram, rows, &args.factor)?;
+    let Designed { rows: Rows { table, columns, targets, .. }, terms, dropped } = designed;
     if table.nrows() == 0 {
-        bail!("{}: no rows", args.gram.input().display());
+        bail!("{}: no rows", input.display());
     }
     let pass = Pass::new(&args.gram, ranks, &table, args.weights.as_deref(), args.intercept)?;
     let Some(gram) = pass.gram()? else { return pass.end() };
@@ -88,8 +111,17 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     let name = || args.gram.input().display().to_string();
     let found = LeastSquares::from_gram(&gram, targets.len(), &options).with_context(name)?;
     report_dependent(args, &columns, &found)?;
-    let rows = gram.rows();
-    let solution = Solution { found, columns, targets, intercept: args.intercept, rows };
+    let solution = Solution {
+        found,
+        columns,
+        terms,
+        targets,
+        intercept: args.intercept,
+        rows: gram.rows(),
+        dropped: dropped as u64,
+        confidence: args.confidence,
+        covariance: args.covariance,
+    };
     solution.print()?;
     for output in outputs {
         match is_json(output.path()) {
@@ -128,23 +160,31 @@ struct Rows {
     table: Table,
     columns: Vec<String>,
     targets: Vec<String>,
+    /// For each of the columns the levels that its entries are numbers of; none for numbers.
+    levels: Vec<Vec<String>>,
 }
 
 fn rows(args: &Args) -> Result<Rows> {
-    let a = args.gram.open()?;
+    let a = args.gram.open_with_factors(design::possible_names(&args.factor))?;
     let mut columns = a.column_names();
+    let mut levels: Vec<Vec<String>> = (0..columns.len()).map(|j| a.levels(j).to_vec()).collect();
     if let Some(path) = &args.b {
-        let b = open("B", path, &args.gram.other_tables().read())?;
+        let b = open("B", path, &args.gram.other_tables().read_all_rows())?;
         let targets = b.column_names();
-        return Ok(Rows { table: Table::joined(a, b)?, columns, targets });
+        return Ok(Rows { table: Table::joined(a, b)?, columns, targets, levels });
     }
     let found = names::find(args.gram.input(), &columns, &a.numbers(), &args.by_column)?;
+    if let Some(&column) = found.iter().find(|&&column| !levels[column].is_empty()) {
+        let (a, name) = (args.gram.input().display(), &columns[column]);
+        bail!("{a}: column {name} has words: a factor is no target");
+    }
     let targets = found.iter().map(|&column| columns[column].clone()).collect();
     let mut order: Vec<usize> =
         (0..columns.len()).filter(|column| !found.contains(column)).collect();
     columns = order.iter().map(|&column| columns[column].clone()).collect();
+    levels = order.iter().map(|&column| levels[column].clone()).collect();
     order.extend(found);
-    Ok(Rows { table: Table::ordered(a, order), columns, targets })
+    Ok(Rows { table: Table::ordered(a, order), columns, targets, levels })
 }
 
 /// Refuses a matrix A or B without columns.

@@ -12,8 +12,8 @@ use catamaran::blas::BlasReal;
 use catamaran::faer::prelude::ReborrowMut;
 use catamaran::faer::{Mat, MatMut, MatRef};
 use catamaran::io::{
-    self as files, CsMat, FileContent, Matrix, ReadOptions, RowFile, SparseRows, TableFile,
-    TableReading,
+    self as files, ColumnKind, CsMat, FileContent, Matrix, ReadOptions, RowFile, SparseRows,
+    TableFile, TableReading,
 };
 use catamaran::rows::{DenseRows, RowBlocks};
 
@@ -99,6 +99,15 @@ impl Source {
             Content::File(_) => None,
             Content::Table(file) => Some(file.reading()),
             Content::Whole(content) => content.reading.as_ref(),
+        }
+    }
+
+    /// Returns the levels that the entries of a column are numbers of; none for numbers.
+    pub fn levels(&self, column: usize) -> &[String] {
+        let column = self.reading().and_then(|reading| reading.columns.get(column));
+        match column.map(|column| &column.kind) {
+            Some(ColumnKind::Factor { levels }) => levels,
+            _ => &[],
         }
     }
 

@@ -5,6 +5,7 @@ use std::process::Stdio;
 
 use catamaran::faer::{Mat, mat};
 use catamaran::io::{Arrays, read_arrays};
+use serde_json::{Value, json};
 
 use crate::common::{Folder, Run, calls, csv, table, with_input};
 
@@ -91,7 +92,8 @@ fn certified_coefficients_come_out_by_the_names_of_the_header() {
         let line = report.lines().find(|line| line.starts_with(name)).unwrap();
         line.split_whitespace().map(str::to_owned).collect::<Vec<_>>()
     };
-    assert_eq!(line("column"), ["column", "coefficient", "standard", "error", "t"]);
+    assert_eq!(line("column"), ["column", "coefficient", "standard", "error", "t", "p"]);
+    assert_eq!(line("unemployed")[4], "0.0025");
     assert_eq!(line("unemployed")[3], "-4.136");
     assert_eq!(line("intercept")[3], "-3.911");
     assert_eq!(line("rows"), ["rows", "16"]);
@@ -139,24 +141,275 @@ fn json_of_a_small_problem() {
     let folder = Folder::new();
     folder.write("a.csv", "a b,t,y\n1,0,1\n1,1,3\n1,2,5\n");
     folder.succeed("lstsq a.csv --by-column y -o x.json");
-    let expected = r#"{
-  "columns": ["a b", "t"],
-  "targets": [
-    {
-      "name": "y",
-      "x": [1.0, 2.0],
-      "standard_error": [0.0, 0.0],
-      "r_squared": 1.0,
-      "residual_norm": 0.0
-    }
-  ],
-  "rows": 3,
-  "rank": 2,
-  "dependent": [],
-  "degrees_of_freedom": 1,
-"#;
     let json = fs::read_to_string(folder.path("x.json")).unwrap();
-    assert!(json.starts_with(expected), "{json}");
+    let mut found: Value = serde_json::from_str(&json).unwrap();
+    for name in ["condition", "digits"] {
+        assert!(found.as_object_mut().unwrap().remove(name).unwrap().is_f64(), "{json}");
+    }
+    let target = found["targets"][0].as_object_mut().unwrap();
+    assert_eq!(target.remove("x_low").unwrap().as_array().unwrap().len(), 2);
+    // An exact fit: t and F are infinite, which JSON does not have.
+    let expected = json!({
+        "columns": ["a b", "t"],
+        "terms": [{"column": "a b"}, {"column": "t"}],
+        "targets": [{
+            "name": "y",
+            "x": [1.0, 2.0],
+            "standard_error": [0.0, 0.0],
+            "t": [null, null],
+            "p": [0.0, 0.0],
+            "r_squared": 1.0,
+            "adjusted_r_squared": 1.0,
+            "f_statistic": null,
+            "f_p": 0.0,
+            "residual_deviation": 0.0,
+            "residual_norm": 0.0
+        }],
+        "confidence": null,
+        "rows": 3,
+        "left_out": 0,
+        "observations": 3,
+        "rank": 2,
+        "dependent": [],
+        "degrees_of_freedom": 1
+    });
+    assert_eq!(found, expected);
+    let lines: Vec<&str> = json.lines().take(3).collect();
+    assert_eq!(lines[0..2], ["{", r#"  "columns": ["a b", "t"],"#], "{json}");
+}
+
+/// R's mtcars (Motor Trend, 1974).
+const MTCARS: &str = include_str!("../../../tests/common/tables/mtcars.csv");
+
+#[test]
+fn p_values_intervals_and_f_are_those_of_r() {
+    // lm(mpg ~ wt + hp)
+    let folder = Folder::new();
+    let fields = |line: &str| -> Vec<String> {
+        let fields: Vec<&str> = line.split(',').collect();
+        [fields[0], fields[5], fields[3]].map(str::to_owned).into()
+    };
+    let table: Vec<String> = MTCARS.lines().map(|line| fields(line).join(",")).collect();
+    folder.write("cars.csv", table.join("\n"));
+    let report = folder.succeed(
+        "lstsq cars.csv --by-column mpg --intercept --confidence 0.95 --covariance -o x.npz \
+         -o x.json",
+    );
+    let found = arrays(&folder, "x.npz");
+    let column = |name: &str| found.matrix(name).unwrap().col_as_slice(0).to_vec();
+    let vector = |name: &str| found.vector(name).unwrap();
+    assert_close(&column("p"), &[1.1196471362000246e-6, 0.0014512285315694147], 1e-12);
+    assert_close(&column("t"), &[-6.128695219810418, -3.518711910208783], 1e-12);
+    assert_close(&column("lower"), &[-5.1719160406755345, -0.050240776871073596], 1e-12);
+    assert_close(&column("upper"), &[-2.5837454441338266, -0.0133051170932484], 1e-12);
+    assert_close(&vector("intercept_p"), &[2.5654585119836858e-20], 1e-12);
+    assert_close(&vector("intercept_upper"), &[40.49715778063592], 1e-12);
+    assert_close(&vector("f_statistic"), &[69.21121339177775], 1e-12);
+    assert_close(&vector("f_p"), &[9.109054385221927e-12], 1e-12);
+    assert_close(&vector("adjusted_r_squared"), &[0.8148396209781563], 1e-12);
+    assert_close(&vector("residual_deviation"), &[2.593411777226565], 1e-12);
+    let covariance = found.matrix("covariance").unwrap();
+    assert_eq!(covariance.shape(), (3, 3));
+    assert_close(&[covariance[(0, 2)]], &[0.00014847005265084415], 1e-12);
+    let line = |name: &str| report.lines().find(|line| line.starts_with(name)).unwrap().to_owned();
+    assert!(line("wt").contains("  1.12e-6  -5.171916e0   -2.583745e0"), "{report}");
+    let f = "F           69.211 with 2 and 29 degrees of freedom, p 9.11e-12";
+    assert_eq!(line("F "), f);
+    // predict(fit, data.frame(wt = 3, hp = 150), interval = "prediction")
+    folder.write("new.csv", "hp,name,wt\n150,1,3\n");
+    folder.succeed("predict x.json new.csv --interval observation -o p.csv");
+    let text = fs::read_to_string(folder.path("p.csv")).unwrap();
+    let (titles, values) = text.trim_end().split_once('\n').unwrap();
+    assert_eq!(titles, "mpg,mpg_lower,mpg_upper");
+    let values: Vec<f64> = values.split(',').map(|x| x.parse().unwrap()).collect();
+    let width = 2.045229642132704 * 2.638403439745562;
+    let right = 20.827835841909007;
+    assert_close(&values, &[right, right - width, right + width], 1e-12);
+    assert!(folder.succeed("predict x.json new.csv").contains("2.082783584190901e1"));
+    // Names are checked.
+    folder.write("other.csv", "hp,weight\n150,3\n");
+    let message = folder.fail("predict x.json other.csv");
+    assert!(
+        message.contains("other.csv: columns: no column wt; the columns are hp, weight"),
+        "{message}"
+    );
+    let message = folder.fail("predict new.csv new.csv");
+    assert!(message.contains("new.csv: not a model that `lstsq -o FIT.json` wrote"), "{message}");
+    folder.succeed("lstsq cars.csv --by-column mpg -o plain.json");
+    let message = folder.fail("predict plain.json new.csv --interval mean");
+    assert!(message.contains("plain.json: has no covariance for --interval"), "{message}");
+}
+
+#[test]
+fn factors_have_the_coefficients_of_r_and_predict_by_their_levels() {
+    // lm(mpg ~ wt + factor(cyl))
+    let folder = Folder::new();
+    let fields = |line: &str| -> String {
+        let fields: Vec<&str> = line.split(',').collect();
+        [fields[0], fields[1], fields[5]].join(",")
+    };
+    let table: Vec<String> = MTCARS.lines().map(fields).collect();
+    folder.write("cars.csv", table.join("\n"));
+    let report =
+        folder.succeed("lstsq cars.csv --by-column mpg --intercept --factor cyl -o x.json");
+    assert!(report.contains("cyl: 3 levels, compared with 4"), "{report}");
+    let json = fs::read_to_string(folder.path("x.json")).unwrap();
+    let found: Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(found["columns"], json!(["cyl[6]", "cyl[8]", "wt"]));
+    assert_eq!(found["terms"][0], json!({"column": "cyl", "levels": ["4", "6", "8"]}));
+    let numbers = |name: &str| -> Vec<f64> {
+        let values = found["targets"][0][name].as_array().unwrap();
+        values.iter().map(|x| x.as_f64().unwrap()).collect()
+    };
+    let x = [-4.255582401971285, -6.070859680490879, -3.2056132561928647];
+    assert_close(&numbers("x"), &x, 1e-12);
+    let p = [0.004717833899868905, 0.0009991893236754117, 0.00021304346026846004];
+    assert_close(&numbers("p"), &p, 1e-12);
+    // Another base: the same model.
+    folder.succeed("lstsq cars.csv --by-column mpg --intercept --factor cyl=8 -o y.json");
+    folder.write("new.csv", "cyl,wt\n6,3\n8,3\n4,2.5\n");
+    let predicted = |model: &str| -> Vec<f64> {
+        folder.succeed(&format!("predict {model} new.csv -o p.csv --force"));
+        let text = fs::read_to_string(folder.path("p.csv")).unwrap();
+        text.lines().skip(1).map(|line| line.parse().unwrap()).collect()
+    };
+    assert_close(&predicted("x.json"), &predicted("y.json"), 1e-13);
+    folder.write("new.csv", "cyl,wt\n5,3\n");
+    let message = folder.fail("predict x.json new.csv");
+    assert!(message.contains("new.csv: factor: cyl has no level for 5"), "{message}");
+    for (option, said) in [
+        ("cyl=5", "cars.csv: factor: cyl has no level 5, but 4, 6, 8"),
+        ("color", "cars.csv: no column color for --factor; A has cyl, wt"),
+    ] {
+        let message = folder.fail(&format!("lstsq cars.csv --by-column mpg --factor {option}"));
+        assert!(message.contains(said), "{message}");
+    }
+}
+
+#[test]
+fn rows_with_missing_values_are_left_out_on_request_and_counted() {
+    let folder = Folder::new();
+    let nan = f64::NAN;
+    let rows = [
+        [1.0, 0.5, 2.0],
+        [nan, 1.0, 1.0],
+        [2.0, 0.25, 3.5],
+        [3.0, 2.0, nan],
+        [4.0, -1.0, 5.0],
+        [5.0, 7.0, 4.0],
+    ];
+    folder.write_npy("a.npy", &[6, 3], &rows.concat());
+    let complete: Vec<[f64; 3]> =
+        rows.into_iter().filter(|row| row.iter().all(|x| !x.is_nan())).collect();
+    folder.write_npy("b.npy", &[4, 3], &complete.concat());
+    folder.write("w.csv", "1\n9\n2\n9\n0\n1\n");
+    folder.write("v.csv", "1\n2\n0\n1\n");
+    let line = "lstsq a.npy --by-column 2 --intercept --weights w.csv -o x.json";
+    let message = folder.fail(line);
+    assert!(message.contains("NaN at row 1, column 0"), "{message}");
+    let run = folder.run(&format!("{line} --missing drop"));
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let note = "note: a.npy: 2 rows with a missing cell left out, 4 used";
+    assert!(run.stderr.contains(note), "{}", run.stderr);
+    assert!(run.stdout.contains("rows        4, 2 left out"), "{}", run.stdout);
+    assert!(run.stdout.contains("weighted    3 rows"), "{}", run.stdout);
+    folder.succeed("lstsq b.npy --by-column 2 --intercept --weights v.csv -o y.json");
+    let read = |name: &str| -> Value {
+        serde_json::from_str(&fs::read_to_string(folder.path(name)).unwrap()).unwrap()
+    };
+    let (x, y) = (read("x.json"), read("y.json"));
+    assert_eq!((&x["targets"], &x["degrees_of_freedom"]), (&y["targets"], &json!(0)));
+    assert_eq!((&x["left_out"], &y["left_out"]), (&json!(2), &json!(0)));
+    let message = folder.fail("lstsq a.npy --by-column 2 --factor 0");
+    assert!(message.contains("a.npy: a value is missing in row 1 (counted from 0)"), "{message}");
+    assert!(message.contains("--missing drop"), "{message}");
+}
+
+#[test]
+fn factors_of_words_are_fitted_and_predicted_by_their_levels() {
+    let folder = Folder::new();
+    // Differences of 10 and 20 from Bonn, and a slope of 3.
+    folder.write(
+        "a.csv",
+        "ort;note;x;y\nUlm;gut;1,5;24,5\nBonn;so;1;3\nKiel;gut;2;16\nBonn;NA;2;6\n\
+         NA;so;7;1\nUlm;gut;0;20\nKiel;;0;10\nUlm;so;NA;2\n",
+    );
+    let fit = "lstsq a.csv --by-column y --intercept --factor ort";
+    let message = folder.fail(fit);
+    assert!(message.contains("a.csv:6: column 1 (ort): \"NA\""), "{message}");
+    let run = folder.run(&format!("{fit} --missing drop -o x.json"));
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    // A missing cell in a column that is not used drops no row.
+    assert!(run.stderr.contains("1 text column left out (note)"), "{}", run.stderr);
+    assert!(
+        run.stderr.contains("a.csv: 2 rows with a missing cell left out, 6 used"),
+        "{}",
+        run.stderr
+    );
+    assert!(run.stdout.contains("ort: 3 levels, compared with Bonn"), "{}", run.stdout);
+    let json = fs::read_to_string(folder.path("x.json")).unwrap();
+    let found: Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(found["columns"], json!(["ort[Kiel]", "ort[Ulm]", "x"]));
+    let x: Vec<f64> =
+        found["targets"][0]["x"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect();
+    assert_close(&x, &[10.0, 20.0, 3.0], 1e-13);
+    // Other columns, another order, and levels that the model has.
+    folder.write("new.csv", "x,z,ort\n2,NA,Ulm\nNA,1,Bonn\n4,2,Bonn\n");
+    let message = folder.fail("predict x.json new.csv");
+    assert!(message.contains("new.csv:3: column 1 (x): \"NA\""), "{message}");
+    let predicted = |missing: &str| -> Vec<f64> {
+        folder.succeed(&format!("predict x.json new.csv --missing {missing} -o p.csv --force"));
+        let text = fs::read_to_string(folder.path("p.csv")).unwrap();
+        text.lines().skip(1).map(|line| line.parse().unwrap()).collect()
+    };
+    assert_close(&predicted("drop"), &[26.0, 12.0], 1e-13);
+    let all = predicted("nan");
+    assert!(all.len() == 3 && all[1].is_nan());
+    assert_close(&[all[0], all[2]], &[26.0, 12.0], 1e-13);
+    folder.write("other.csv", "x,ort\n2,Ulm\n4,Jena\n");
+    let message = folder.fail("predict x.json other.csv");
+    assert!(
+        message.contains("other.csv: factor: ort has no level Jena, but Bonn, Kiel, Ulm"),
+        "{message}"
+    );
+    // One word among numbers makes a factor of words.
+    folder.write("mixed.csv", "k,y\n10,1\n9,2\nx,4\n9,2\n10,1\n");
+    let report = folder.succeed("lstsq mixed.csv --by-column y --intercept --factor k=9");
+    assert!(report.contains("k: 3 levels, compared with 9"), "{report}");
+    let message = folder.fail("lstsq mixed.csv --by-column k --factor k");
+    assert!(message.contains("mixed.csv: column k has words: a factor is no target"), "{message}");
+}
+
+#[test]
+fn rows_of_two_files_with_missing_cells_are_left_out_together() {
+    let folder = Folder::new();
+    folder.write("a.csv", "x\n1\nNA\n3\n4\n7\n");
+    folder.write("b.csv", "y\n1\n2\nNA\n5\n6\n");
+    folder.write("w.csv", "1\n9\n9\n2\n3\n");
+    folder.write("c.csv", "x,y,w\n1,1,1\n4,5,2\n7,6,3\n");
+    folder.write("v.csv", "1\n2\n3\n");
+    folder.succeed("lstsq a.csv b.csv --weights w.csv --missing drop -o x.json");
+    folder.succeed("lstsq c.csv --columns x,y --by-column y --weights v.csv -o y.json");
+    let read = |name: &str| -> Value {
+        serde_json::from_str(&fs::read_to_string(folder.path(name)).unwrap()).unwrap()
+    };
+    let (x, y) = (read("x.json"), read("y.json"));
+    assert_eq!((&x["targets"], &x["left_out"]), (&y["targets"], &json!(2)));
+    let components = |command: &str| -> Vec<String> {
+        let report = folder.succeed(command);
+        report
+            .lines()
+            .skip_while(|line| !line.starts_with("component"))
+            .map(str::to_owned)
+            .collect()
+    };
+    folder.write_npy("a.npy", &[3, 2], &[1.0, 2.0, f64::NAN, 5.0, 3.0, 1.0]);
+    folder.write_npy("b.npy", &[2, 2], &[1.0, 2.0, 3.0, 1.0]);
+    folder.write("u.csv", "1\n9\n2\n");
+    folder.write("t.csv", "1\n2\n");
+    let left = components("pca a.npy --missing drop --weights u.csv");
+    assert_eq!(left, components("pca b.npy --weights t.csv"));
+    assert!(folder.fail("pca a.npy").contains("NaN at row 1, column 0"));
 }
 
 #[test]
@@ -403,6 +656,7 @@ fn guide_folder() -> Folder {
     folder.write_npy("b.npy", &[m as u64], &table(m, 1));
     let weights: Vec<f64> = (0..m).map(|i| (i % 4) as f64).collect();
     folder.write_npy("w.npy", &[m as u64], &weights);
+    folder.write("cars.csv", MTCARS);
     folder
 }
 

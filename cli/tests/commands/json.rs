@@ -16,6 +16,8 @@ const MORE: &[&str] = &[
     "ata a.npy -o c.npy --explain --scheme exact --covariance",
     "ata a.npy -o c.npy --checkpoint sums --resume",
     "lstsq a.npy w.npy",
+    "lstsq a.csv --by-column 7 --confidence 0.9 --missing drop",
+    "predict fit.json a.csv --interval observation",
     "mesh sphere.ply --repair --orient --compare torus.obj --drop-specks 0.1 --fill-holes 3",
     "decimate sphere.ply -n 40 -o out.ply --report",
     "spectrum sphere.ply -k 4 --via-decimation 60",

@@ -24,6 +24,7 @@ pub const LINES: &[&str] = &[
     "ata-merge a.sums a.sums -o c.npy --accumulator sums",
     "lstsq a.npy w.npy -o x.npz -o x.json --weights w.csv --intercept --block-rows 16",
     "lstsq a.csv --by-column 7,0 -o x.json",
+    "predict fit.json a.csv --interval mean -o p.csv",
     "pca a.npy -k 3 -o pca.npz --scores --picture scree.svg --weights w.npy",
     "svd a.npy -o svd.npz --left",
     "mesh sphere.ply -o out.obj.gz",
@@ -191,6 +192,7 @@ fn matrices(folder: &Folder) {
     folder.write("w.csv", csv(&weights, 1));
     folder.succeed("ata a.csv -o a.mtx");
     folder.succeed("ata a.npy --accumulator a.sums");
+    folder.succeed("lstsq a.csv --by-column 7,0 --intercept --covariance -o fit.json");
     // What a run that failed at its last row leaves.
     let (m, n) = (800, 300);
     let mut broken = table(m, n);

@@ -153,6 +153,17 @@ def lstsq(
     options: Dict[str, Any],
     progress: Callback,
 ) -> Dict[str, Any]: ...
+def lstsq_table(
+    a: ArrayLike,
+    codes: ArrayLike,
+    factors: List[Tuple[str, List[str], bool]],
+    b: ArrayLike,
+    weights: Optional[ArrayLike],
+    drop: bool,
+    options: Dict[str, Any],
+    progress: Callback,
+) -> Tuple[Dict[str, Any], List[str], List[int]]: ...
+def t_quantile(probability: float, freedom: float) -> float: ...
 def pca(
     a: ArrayLike,
     weights: Optional[ArrayLike],

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Dict, NamedTuple, Optional, Union
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -46,25 +46,172 @@ class LeastSquares:
     residual_norm: Any
     #: ``1 - |A x - b|^2 / |b|^2``, about the mean with an intercept.
     r_squared: Any
+    #: ``r_squared``, adjusted for the number of coefficients.
+    adjusted_r_squared: Any
+    #: The standard deviation of the residuals: their norm over the root of `degrees_of_freedom`.
+    residual_deviation: Any
+    #: The F statistic that all coefficients but the intercept are 0, with `rank` and
+    #: `degrees_of_freedom` degrees of freedom; NaN with a ridge.
+    f_statistic: Any
+    #: The p value of the F statistic.
+    f_p_value: Any
     #: The standard error of each coefficient, n x k; empty when not asked for.
     standard_errors: NDArray[np.float64]
-    #: The standard error of each intercept.
+    #: The t statistic and the p value (two-sided) of each coefficient, n x k; empty when standard
+    #: errors were not asked for.
+    t_statistics: NDArray[np.float64]
+    p_values: NDArray[np.float64]
+    #: The standard error, the t statistic and the p value of each intercept.
     intercept_errors: Any
+    intercept_t_statistics: Any
+    intercept_p_values: Any
+    #: F^T, rank x n, where F F^T is the covariance of `x` when residuals have variance 1; empty
+    #: when standard errors were not asked for.
+    root: NDArray[np.float64]
+    #: The mean of the columns and the sum of the weights with an intercept; else zeros and
+    #: infinity.
+    mean: NDArray[np.float64]
+    weight: float
     #: Columns of A that do not depend on others, as far as the precision can tell.
     rank: int
     #: The other columns.
     dependent: NDArray[np.uintp]
     #: Estimate of the condition number of A.
     condition: float
-    #: Rows less the rank, and less one more with an intercept.
+    #: Rows whose weight is not 0.
+    observations: int
+    #: Observations less the rank, and less one more with an intercept.
     degrees_of_freedom: int
     #: Decimal digits of the coefficients that agree with the exact solution, from 0 to 15.95.
     digits: float
+    #: The names of the columns that factors became, which follow those of `a`; empty without
+    #: factors.
+    factor_columns: Tuple[str, ...] = ()
+    #: The rows that were left out because a value is missing.
+    left_out: Tuple[int, ...] = ()
 
     def predict(self, a: ArrayLike) -> NDArray[np.float64]:
-        """Return ``A x + intercept``."""
+        """Return ``A x + intercept``. With factors A has the columns `factor_columns` too."""
         found: NDArray[np.float64] = np.asarray(a) @ self.x + self.intercept
         return found
+
+    @to_nearest
+    def confidence_intervals(
+        self, confidence: float = 0.95
+    ) -> Tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the ends of the intervals that contain each coefficient with this confidence."""
+        self._check_errors()
+        width = self._factor(confidence) * self.standard_errors
+        return self.x - width, self.x + width
+
+    @to_nearest
+    def intercept_intervals(self, confidence: float = 0.95) -> Tuple[Any, Any]:
+        """Return the ends of the interval that contains each intercept with this confidence."""
+        self._check_errors()
+        width = self._factor(confidence) * self.intercept_errors
+        if np.size(width) == 0:
+            raise ValueError("intercept_intervals: no intercept was fitted")
+        return self.intercept - width, self.intercept + width
+
+    @to_nearest
+    def covariance(self, target: int = 0) -> NDArray[np.float64]:
+        """Return the covariance of the coefficients of a target, the intercept first if there is
+        one."""
+        self._check_errors()
+        root: Any = self.root
+        if np.isfinite(self.weight):
+            root = np.column_stack([-(root @ self.mean), root])
+        found: NDArray[np.float64] = root.T @ root
+        if np.isfinite(self.weight):
+            found[0, 0] += 1 / self.weight
+        found *= float(np.atleast_1d(self.residual_deviation)[target]) ** 2
+        return found
+
+    @to_nearest
+    def prediction_errors(self, a: ArrayLike, *, observation: bool = False) -> Any:
+        """Return the standard errors of predictions: of the mean at each row, or with `observation`
+        of one new observation there."""
+        self._check_errors()
+        spread: Any = (np.asarray(a) - self.mean) @ self.root.T
+        squares = (spread**2).sum(axis=1) + 1 / self.weight + float(observation)
+        return np.multiply.outer(np.sqrt(squares), self.residual_deviation)
+
+    @to_nearest
+    def prediction_intervals(
+        self, a: ArrayLike, confidence: float = 0.95, *, observation: bool = False
+    ) -> Tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the ends of the intervals that contain the mean at each row, or with `observation`
+        one new observation there, with this confidence."""
+        width = self._factor(confidence) * self.prediction_errors(a, observation=observation)
+        found = self.predict(a)
+        return found - width, found + width
+
+    def _factor(self, confidence: float) -> float:
+        if not 0 < confidence < 1:
+            raise ValueError(f"confidence: must be above 0 and below 1, is {confidence}")
+        return _catamaran.t_quantile(1 - confidence, self.degrees_of_freedom)
+
+    def _check_errors(self) -> None:
+        if np.size(self.standard_errors) == 0 and np.size(self.x) > 0:
+            raise ValueError("standard_errors: were not requested")
+
+
+def solution(found: Dict[str, Any], one_target: bool) -> LeastSquares:
+    """Return a solution of the extension."""
+    if one_target:
+        for name in ("x", "x_low", "standard_errors", "t_statistics", "p_values"):
+            found[name] = found[name][:, 0] if found[name].size else found[name].ravel()
+        for name in OF_TARGETS:
+            found[name] = found[name][0] if found[name].size else found[name]
+    return LeastSquares(**found)
+
+
+#: Attributes with a number for each target.
+OF_TARGETS = (
+    "intercept",
+    "residual_norm",
+    "r_squared",
+    "adjusted_r_squared",
+    "residual_deviation",
+    "f_statistic",
+    "f_p_value",
+    "intercept_errors",
+    "intercept_t_statistics",
+    "intercept_p_values",
+)
+
+
+def coded(factors: Mapping[str, Any]) -> Tuple[List[Tuple[str, List[str], bool]], Any]:
+    """Return the names and levels of factors, and a column of codes for each, NaN where missing.
+
+    Levels of a pandas categorical, or of anything else with ``categories`` and ``codes``, keep
+    their order.
+    """
+    found: List[Tuple[str, List[str], bool]] = []
+    columns: List[Any] = []
+    for name, values in factors.items():
+        values = getattr(values, "cat", values)
+        if hasattr(values, "categories") and hasattr(values, "codes"):
+            codes = np.array(values.codes, dtype=np.float64)
+            codes[codes < 0] = np.nan
+            found.append((name, [str(level) for level in values.categories], True))
+            columns.append(codes)
+            continue
+        array = np.asarray(values)
+        if array.ndim != 1:
+            raise ValueError(f"factors: {name}: expected a vector, got {array.ndim} dimensions")
+        labels = array.tolist()
+        # None, and NaN and NaT, which are no number equal to themselves.
+        missing = [label is None or label != label for label in labels]
+        known = [str(label) for label, none in zip(labels, missing) if not none]
+        levels = {level: k for k, level in enumerate(dict.fromkeys(known))}
+        codes = np.array([levels.get(str(label), np.nan) for label in labels], dtype=np.float64)
+        codes[np.array(missing, dtype=bool)] = np.nan
+        found.append((name, list(levels), False))
+        columns.append(codes)
+    if len({len(column) for column in columns}) > 1:
+        raise ValueError("factors: of different lengths")
+    return found, np.column_stack(columns) if columns else None
 
 
 def lstsq(
@@ -76,6 +223,8 @@ def lstsq(
     intercept: bool = False,
     rank_deficiency: str = "minimum_norm",
     standard_errors: bool = True,
+    factors: Optional[Mapping[str, Any]] = None,
+    missing: str = "error",
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> LeastSquares:
@@ -100,7 +249,14 @@ def lstsq(
         What happens when columns of A depend on others: of all solutions the one of least norm, or
         a ValueError that names the columns.
     standard_errors : bool
-        Whether they are computed, which takes a few times as long as the solution.
+        Whether they are computed, with p values and what depends on them, which takes a few times
+        as long as the solution.
+    factors : mapping of names to vectors of m labels, optional
+        Columns of categories, which follow those of `a`. Each becomes one column for each of its
+        levels but the first, 1 in the rows of that level and 0 elsewhere; levels are sorted, those
+        of a pandas categorical keep their order. See `LeastSquares.factor_columns`.
+    missing : {"error", "drop"}
+        What happens to rows with a NaN, or without a label: a ValueError, or they are left out.
     threads, progress
         As in `ata`.
 
@@ -116,15 +272,30 @@ def lstsq(
     >>> found = catamaran.lstsq(t[:, None], 2 * t + 1, intercept=True)
     >>> float(found.x[0]), float(found.intercept), found.rank
     (2.0, 1.0, 1)
+
+    A factor, and a row without a label:
+
+    >>> region = ["East", "West", None, "West", "East"]
+    >>> found = catamaran.lstsq(
+    ...     t[:, None], t, intercept=True, factors={"region": region}, missing="drop"
+    ... )
+    >>> found.factor_columns, found.left_out, found.observations
+    (('region[West]',), (2,), 4)
     """
+    if missing not in ("error", "drop"):
+        raise ValueError(f"missing: '{missing}' is not one of 'error', 'drop'")
     options = fit_options(ridge, intercept, rank_deficiency, standard_errors, threads)
-    found = _catamaran.lstsq(a, b, weights, options, callback(progress))
-    if np.ndim(b) == 1:
-        for name in ("x", "x_low", "standard_errors"):
-            found[name] = found[name][:, 0] if found[name].size else found[name].ravel()
-        for name in ("intercept", "residual_norm", "r_squared", "intercept_errors"):
-            found[name] = found[name][0] if found[name].size else found[name]
-    return LeastSquares(**found)
+    if not factors and missing == "error":
+        found = _catamaran.lstsq(a, b, weights, options, callback(progress))
+        return solution(found, np.ndim(b) == 1)
+    levels, codes = coded(factors or {})
+    if codes is None:
+        codes = np.empty((np.shape(b)[0], 0))
+    found, columns, left_out = _catamaran.lstsq_table(
+        a, codes, levels, b, weights, missing == "drop", options, callback(progress)
+    )
+    found.update(factor_columns=tuple(columns), left_out=tuple(left_out))
+    return solution(found, np.ndim(b) == 1)
 
 
 class PrincipalComponents:

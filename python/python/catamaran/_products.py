@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from . import _catamaran
-from ._gram import LeastSquares, PrincipalComponents, fit_options
+from ._gram import LeastSquares, PrincipalComponents, fit_options, solution
 from ._options import Accuracy, Progress, callback, csr, is_sparse, products, to_nearest
 
 __all__ = ["Accumulator", "ata", "corrcoef", "cov", "plan"]
@@ -413,7 +413,7 @@ class Accumulator(_catamaran.Accumulator):
     ) -> LeastSquares:
         """Solve for the last `targets` columns of extended sums; see `catamaran.lstsq`."""
         options = fit_options(ridge, intercept, rank_deficiency, standard_errors, threads)
-        return LeastSquares(**self._lstsq(targets, options))
+        return solution(self._lstsq(targets, options), False)
 
     def pca(
         self,

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from typing import Any, Dict, List, Optional, Sequence, Union
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Union
+
+import numpy as np
+from numpy.typing import NDArray
 
 from . import _catamaran
 from ._options import Progress, callback, to_scipy, warn_caller
@@ -12,6 +15,15 @@ from ._options import Progress, callback, to_scipy, warn_caller
 __all__ = ["Table", "read"]
 
 Path = Union[str, "os.PathLike[str]"]
+
+
+class Factor(NamedTuple):
+    """A column of words: what `pandas.Categorical` calls so."""
+
+    #: The different words, sorted by their bytes.
+    categories: List[str]
+    #: For each row the place of its word; -1 where it is missing.
+    codes: NDArray[np.intp]
 
 
 @dataclass(frozen=True)
@@ -33,6 +45,15 @@ class Table:
     #: What was decided about a text table, in words; empty for other formats.
     reading: str
 
+    def factor(self, column: Union[int, str]) -> Factor:
+        """Return a factor, given by its name or its place, as `lstsq` takes it."""
+        place = self.names.index(column) if column in self.names else column
+        if not isinstance(place, int) or place not in self.levels:
+            raise ValueError(f"column {column}: not a factor of this table")
+        entries = self.values[:, place]
+        codes = np.where(np.isnan(entries), -1, entries).astype(np.intp)
+        return Factor(self.levels[place], codes)
+
 
 def read(
     path: Path,
@@ -49,7 +70,7 @@ def read(
     index: Optional[bool] = None,
     encoding: Optional[str] = None,
     format: Optional[str] = None,
-    factors: bool = False,
+    factors: Union[bool, Sequence[Union[int, str]]] = False,
     max_memory: Optional[int] = None,
     threads: Optional[int] = None,
     progress: Progress = None,
@@ -88,9 +109,9 @@ def read(
         The encoding of text.
     format : {"npy", "mtx", "table", "parquet", "arrow"}, optional
         The format, whatever the name of the file ends in.
-    factors : bool
+    factors : bool, or sequence of int and str
         Whether columns of words become factors: numbers of their levels. Otherwise they are left
-        out.
+        out. A sequence names the columns that become factors if one of their entries is a word.
     max_memory : int, optional
         Bytes of memory that the file may take.
     threads : int, optional
@@ -140,7 +161,8 @@ def read(
         "index": index,
         "encoding": encoding,
         "format": format,
-        "factors": factors,
+        "words": factors is True,
+        "factors": [] if isinstance(factors, bool) else [str(column) for column in factors],
         "max_memory": max_memory,
         "threads": threads,
     }

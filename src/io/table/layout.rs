@@ -241,6 +241,16 @@ impl Found<'_> {
         }
     }
 
+    /// Returns whether the caller asks for this column as a factor.
+    fn is_named_factor(&self, names: &[String], j: usize) -> bool {
+        let is_own = |factor: &String| names.get(j) == Some(factor) || *factor == j.to_string();
+        self.options.factors.iter().any(is_own)
+    }
+
+    fn has_word(&self, from: usize, width: usize, j: usize) -> bool {
+        self.rows(from, width).any(|row| self.cell(&row.fields[j]) == Cell::Word)
+    }
+
     fn decide(self) -> Result<Decided> {
         let width = width(&self.sample);
         let trailing = self.has_trailing_separator(width);
@@ -265,7 +275,12 @@ impl Found<'_> {
                     && names[1..].iter().all(|name| !name.is_empty())
             }
         };
-        let kinds: Vec<Kind> = (0..ncells).map(|j| self.kind(data, width, j)).collect();
+        let kinds: Vec<Kind> = (0..ncells)
+            .map(|j| match self.is_named_factor(&names, j) && self.has_word(data, width, j) {
+                true => Kind::Words,
+                false => self.kind(data, width, j),
+            })
+            .collect();
         let (used, left_out) = self.used(&kinds, &names, index, data, width)?;
         let notation = self.notation(&used, &kinds, data, width)?;
         let (start, first_line) = match has_header {
@@ -353,7 +368,9 @@ impl Found<'_> {
         match self.options.header {
             Some(false) => return self.without(len, ncells),
             Some(true) if len + 1 == ncells => return Ok(Header::Short),
-            None if len + 1 == ncells && has_word && !has_number => return Ok(Header::Short),
+            None if len + 1 == ncells && (has_word && !has_number || self.numbers_rows(width)) => {
+                return Ok(Header::Short);
+            }
             _ => {}
         }
         if len != ncells {
@@ -372,6 +389,12 @@ impl Found<'_> {
         if has_word {
             return self.header_of_words(&cells, width);
         }
+        let has_unnamed_index = first.fields[0].is_empty()
+            && cells[1..].iter().all(|cell| cell.is_number())
+            && self.numbers_rows(width);
+        if has_unnamed_index || self.only_first_is_quoted() {
+            return Ok(Header::Names);
+        }
         if cells.contains(&Cell::NotFinite) && !has_number {
             return Ok(Header::Names);
         }
@@ -380,6 +403,18 @@ impl Found<'_> {
             return Err(self.two_readings());
         }
         Ok(Header::No(names))
+    }
+
+    /// Returns whether the first column counts or names the rows below the first one.
+    fn numbers_rows(&self, width: usize) -> bool {
+        width > 1 && (self.is_counted(width) || self.kind(1, width, 0) == Kind::Words)
+    }
+
+    /// Returns whether each field of the first row is in quotes, and no other row is like that.
+    fn only_first_is_quoted(&self) -> bool {
+        let is_quoted = |row: &SampleRow| row.quotes >= 2 * row.fields.len();
+        let rows = &self.sample.rows;
+        is_quoted(&rows[0]) && !rows[1..].iter().any(is_quoted)
     }
 
     fn without(&self, len: usize, ncells: usize) -> Result<Header> {
@@ -448,14 +483,28 @@ impl Found<'_> {
         is_far || must_be_integers && chance < CHANCE
     }
 
-    /// Returns whether the first row has three numbers or more with equal steps, of 100 or more.
+    /// Returns whether the first row has three numbers or more with equal steps, of 100 or more; or
+    /// of 10 or more, if not all rows have these steps.
     fn is_regular(&self, width: usize) -> bool {
-        let fields = self.sample.rows[0].fields.iter().take(width);
-        let numbers: Vec<f64> = fields.filter_map(|field| any_reading(field)).collect();
-        let step = |pair: &[f64]| pair[1] - pair[0];
-        numbers.len() > 2
-            && numbers[0] >= 100.0
-            && numbers.windows(2).all(|pair| step(pair) == step(&numbers))
+        let numbers = |row: &SampleRow| -> Vec<f64> {
+            row.fields.iter().take(width).filter_map(|field| any_reading(field)).collect()
+        };
+        // The step of a row, if it has one.
+        let step = |row: &SampleRow| {
+            let numbers = numbers(row);
+            let mut steps = numbers.windows(2).map(|pair| pair[1] - pair[0]);
+            let first = steps.next()?;
+            (numbers.len() > 2 && steps.all(|step| step == first)).then_some(first)
+        };
+        let rows = &self.sample.rows;
+        let (first, own) = (numbers(&rows[0]), step(&rows[0]));
+        match first.first() {
+            Some(&least) if own.is_some() && least >= 100.0 => true,
+            Some(&least) if own.is_some() && least >= 10.0 => {
+                !self.rows(1, width).all(|row| step(row) == own)
+            }
+            _ => false,
+        }
     }
 
     fn two_readings(&self) -> crate::Error {
@@ -475,11 +524,16 @@ impl Found<'_> {
         let text = excerpt(&first.fields.join(&b' '));
         let (skip, separator) = (option("skip"), option("separator"));
         let line = first.line;
+        // Rows may have an index without a name.
+        let names = match len + 1 == width {
+            true => format!(", {} takes it for names", option("header")),
+            false => String::new(),
+        };
         self.fail(
             line,
             format!(
                 "{len} fields in this row, {width} in those after it: {text}; {skip} = {line} \
-                 leaves it out, {separator} divides it otherwise"
+                 leaves it out, {separator} divides it otherwise{names}"
             ),
         )
     }
@@ -535,7 +589,8 @@ impl Found<'_> {
         data: usize,
         width: usize,
     ) -> Result<(Vec<usize>, Vec<String>)> {
-        let takes_words = self.options.words == Words::Factor;
+        let takes_words =
+            |j: usize| self.options.words == Words::Factor || self.is_named_factor(names, j);
         let name = |j: usize| match names.get(j).filter(|name| !name.is_empty()) {
             Some(name) => name.clone(),
             None => j.to_string(),
@@ -553,7 +608,7 @@ impl Found<'_> {
         };
         if !self.columns.is_all() {
             let used = self.columns.of(names, kinds.len())?;
-            match used.iter().find(|&&j| kinds[j] == Kind::Words && !takes_words) {
+            match used.iter().find(|&&j| kinds[j] == Kind::Words && !takes_words(j)) {
                 Some(&j) => return Err(wrong(j)),
                 None => return Ok((used, Vec::new())),
             }
@@ -561,7 +616,7 @@ impl Found<'_> {
         let (mut used, mut left_out) = (Vec::new(), Vec::new());
         for j in usize::from(index)..kinds.len() {
             match kinds[j] {
-                Kind::Words if !takes_words => left_out.push(name(j)),
+                Kind::Words if !takes_words(j) => left_out.push(name(j)),
                 _ => used.push(j),
             }
         }

@@ -95,6 +95,9 @@ options! {
         encoding: Option<String> = None, setter into;
         /// What becomes of a column of words.
         words: Words = Words::LeaveOut;
+        /// Columns, by their names or their numbers from 0, that become factors if one of their
+        /// entries is a word, whatever `words` says. Names that no column has are ignored.
+        factors: Vec<String> = Vec::new();
         /// Threads that read numbers. The result does not depend on them.
         par: Par = Par::all();
     }

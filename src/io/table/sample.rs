@@ -16,6 +16,8 @@ pub(super) struct SampleRow {
     pub start: usize,
     pub end: usize,
     pub fields: Vec<Vec<u8>>,
+    /// Quotes in the text of the record.
+    pub quotes: usize,
 }
 
 /// The records at the beginning of a table.
@@ -71,7 +73,8 @@ pub(super) fn divide(text: &[u8], syntax: Syntax, is_last: bool, mut line: usize
             Found::Record => {
                 let fields = (0..splitter.len()).map(|j| splitter.field(rest, j).to_vec());
                 let (start, end) = (at, at + bytes);
-                rows.push(SampleRow { line, start, end, fields: fields.collect() });
+                let quotes = memchr::memchr_iter(b'"', &rest[..bytes]).count();
+                rows.push(SampleRow { line, start, end, fields: fields.collect(), quotes });
             }
         }
         line += memchr::memchr_iter(syntax.line_end, &rest[..bytes]).count();

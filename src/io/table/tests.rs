@@ -3,7 +3,7 @@
 use std::io::Write as _;
 use std::path::Path;
 
-use faer::Mat;
+use faer::{Mat, mat};
 use proptest::prelude::*;
 
 use super::*;
@@ -117,6 +117,8 @@ fn numbers_that_may_be_names_need_an_option() {
     let years = |i: usize| format!("{},{}\n", 1200 + 37 * i % 100, 1900 - 41 * i % 100);
     let years: String = (0..25).map(years).collect();
     refused(&format!("1990,1991\n{years}"), &auto(), 1, &["`header`"]);
+    refused("10,20,30\n1,2,3\n4,5,7\n", &auto(), 1, &["`header`"]);
+    check("10,20,30\n40,50,60\n", &auto(), &[&[10.0, 20.0, 30.0], &[40.0, 50.0, 60.0]], &[]);
     // Numbers like those below them are numbers, and so are those at the end of a sorted column.
     let sorted = |i: usize| format!("{},{}\n", i + 1, 100 + i * i);
     let sorted: String = (0..25).map(sorted).collect();
@@ -167,6 +169,29 @@ fn row_numbers_are_left_out() {
     check(text, &index(false), &[&[0.0, 1.5], &[7.0, 3.5]], &["", "x"]);
     check("i,x\n0,1.5\n7,3.5\n", &index(true), &[&[1.5], &[3.5]], &["x"]);
     refused("x,y\n5,1.5,2\n9,3.5,5\n", &auto(), 1, &["`index`", "`skip`"]);
+}
+
+#[test]
+fn years_above_an_index_without_a_name_or_in_quotes_are_names() {
+    let rows: &[&[f64]] = &[&[5.0, 7.0], &[6.0, 9.0]];
+    for text in [
+        ",1990,1991\nAT,5,7\nDE,6,9\n",
+        ",1990,1991\n0,5,7\n1,6,9\n",
+        "\"\",\"1990\",\"1991\"\n\"1\",5,7\n\"2\",6,9\n",
+        "\"1990\" \"1991\"\n\"AT\" 5 7\n\"DE\" 6 9\n",
+        "1990;1991\n1;5;7\n2;6;9\n",
+    ] {
+        let reading = check(text, &auto(), rows, &["1990", "1991"]);
+        assert!(reading.index && reading.has_numbers_in_header, "{text}");
+    }
+    let reading = check("\"1990\",\"1991\"\n5,7\n6,9\n", &auto(), rows, &["1990", "1991"]);
+    assert!(!reading.index, "{reading}");
+    // pandas without names of columns.
+    check(",0,1\n0,5,7\n1,6,9\n", &auto(), rows, &["0", "1"]);
+    refused(",1990,1991\n3,5,7\n5,6,9\n", &auto(), 1, &["column 1: nothing", "`missing`"]);
+    refused("1990;1991\n3;5;7\n9;6;9\n", &auto(), 1, &["2 fields in this row", "`header`"]);
+    // Where all numbers are in quotes, these say nothing.
+    check("\"1\",\"2\"\n\"3\",\"5\"\n\"4\",\"4\"\n", &auto(), SMALL, &[]);
 }
 
 #[test]
@@ -477,6 +502,32 @@ proptest! {
         prop_assert_eq!(doubles(&found.matrix), expected, "{:?}", text);
         prop_assert_eq!(found.names.len(), if dialect.has_header { rows[0].len() } else { 0 });
     }
+}
+
+#[test]
+fn named_columns_of_words_are_factors_and_others_are_left_out() {
+    let folder = Folder::new();
+    let path = folder.file("a.csv", "u,v,x,k\nb,p,1,10\na,q,2,9\nb,p,3,w\n");
+    let read = |factors: &[&str], columns: &str| {
+        let factors = factors.iter().map(|&name| name.to_owned()).collect();
+        let columns = if columns.is_empty() { Columns::ALL } else { Columns::parse(columns) };
+        let options = options(TableOptions::new().factors(factors)).columns(columns);
+        read_file(&path, &options)
+            .map(|content| (doubles(&content.matrix), content.reading.unwrap()))
+    };
+    let (found, reading) = read(&["u", "k", "none"], "").unwrap();
+    same(&found, &mat![[1.0, 1.0, 0.0], [0.0, 2.0, 1.0], [1.0, 3.0, 2.0]]);
+    assert_eq!(reading.left_out, ["v"]);
+    let kinds: Vec<_> = reading.columns.iter().map(|column| column.kind.clone()).collect();
+    let levels = |words: &[&str]| ColumnKind::Factor {
+        levels: words.iter().map(|&word| word.to_owned()).collect(),
+    };
+    assert_eq!(kinds, [levels(&["a", "b"]), ColumnKind::Numbers, levels(&["10", "9", "w"])]);
+    // By number; numbers stay numbers; only what is asked for may be words.
+    let (found, _) = read(&["1", "x"], "x,v").unwrap();
+    same(&found, &mat![[1.0, 0.0], [2.0, 1.0], [3.0, 0.0]]);
+    let said = read(&["u"], "v,u").unwrap_err().to_string();
+    assert!(said.contains("column v has words"), "{said}");
 }
 
 #[test]

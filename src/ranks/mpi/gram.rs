@@ -11,7 +11,9 @@ use crate::base::{Error, Progress, Result, block_rows};
 use crate::dense::zeros;
 use crate::product::AtaOptions;
 use crate::rows::{Accumulator, DenseRows, RowBounds, stream};
-use crate::solve::{JoinedRows, LeastSquares, LeastSquaresOptions, check_weights, named_by_matrix};
+use crate::solve::{
+    JoinedRows, LeastSquares, LeastSquaresOptions, Spread, check_weights, named_by_matrix,
+};
 
 /// Computes [`solve::lstsq`](crate::solve::lstsq()) of A (m x n) and B (m x k) of which every rank
 /// has some rows, in any order and number, possibly none, and the weights of these rows, if there
@@ -103,13 +105,16 @@ fn blank(n: usize, k: usize, options: &LeastSquaresOptions) -> Result<LeastSquar
         intercepts: vec![0.0; k],
         residual_norms: vec![0.0; k],
         r_squared: vec![0.0; k],
+        f_statistics: vec![0.0; k],
         standard_errors: if errors { zeros(n, k)? } else { Mat::new() },
         intercept_errors: vec![0.0; if errors && options.intercept { k } else { 0 }],
         rank: 0,
         dependent: Vec::new(),
         condition: 0.0,
+        observations: 0,
         degrees_of_freedom: 0,
         digits: 0.0,
+        spread: errors.then(|| Spread::blank(n, options.intercept)).transpose()?,
     })
 }
 
@@ -117,12 +122,14 @@ fn blank(n: usize, k: usize, options: &LeastSquaresOptions) -> Result<LeastSquar
 fn broadcast(world: &World, found: &mut LeastSquares) {
     let root = world.communicator().process_at_rank(0);
     let n = found.coefficients.nrows();
-    let mut counts = vec![found.rank as u64, found.degrees_of_freedom];
+    let rows = found.spread.as_ref().map_or(0, |spread| spread.root.nrows() as u64);
+    let mut counts = vec![found.rank as u64, rows, found.observations, found.degrees_of_freedom];
     counts.extend(found.dependent.iter().map(|&column| column as u64));
-    counts.resize(2 + n, 0);
+    counts.resize(4 + n, 0);
     root.broadcast_into(&mut counts[..]);
-    (found.rank, found.degrees_of_freedom) = (counts[0] as usize, counts[1]);
-    let dependent = &counts[2..][..n - found.rank];
+    (found.rank, found.observations, found.degrees_of_freedom) =
+        (counts[0] as usize, counts[2], counts[3]);
+    let dependent = &counts[4..][..n - found.rank];
     found.dependent = dependent.iter().map(|&column| column as usize).collect();
     let mut scalars = [found.condition, found.digits];
     root.broadcast_into(&mut scalars[..]);
@@ -131,6 +138,7 @@ fn broadcast(world: &World, found: &mut LeastSquares) {
         &mut found.intercepts,
         &mut found.residual_norms,
         &mut found.r_squared,
+        &mut found.f_statistics,
         &mut found.intercept_errors,
     ];
     vectors.into_iter().for_each(|values| root.broadcast_into(&mut values[..]));
@@ -140,5 +148,18 @@ fn broadcast(world: &World, found: &mut LeastSquares) {
         for j in 0..matrix.ncols() {
             root.broadcast_into(matrix.col_as_slice_mut(j));
         }
+    }
+    if let Some(spread) = &mut found.spread {
+        let rows = counts[1] as usize;
+        spread.root.truncate(rows, n);
+        spread.constant.truncate(rows);
+        for j in 0..n {
+            root.broadcast_into(spread.root.col_as_slice_mut(j));
+        }
+        root.broadcast_into(&mut spread.constant[..]);
+        root.broadcast_into(&mut spread.mean[..]);
+        let mut weight = [spread.weight];
+        root.broadcast_into(&mut weight[..]);
+        [spread.weight] = weight;
     }
 }

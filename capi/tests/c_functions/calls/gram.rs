@@ -110,6 +110,7 @@ fn least_squares(choices: &mut Choices<'_>) {
         ridge: field(choices, "ridge: ", &[0.0, 0.0, 0.5], &bad, r),
         intercept: field(choices, "params.intercept: ", &[0, 1], &[2, -1], r),
         refuse_dependent: field(choices, "params.refuse_dependent: ", &[0], &[2, -1], r),
+        confidence: 0.0,
     };
     let params = Params::new(choices, value, refused);
     let mut norms = Matrix::<f64>::output(choices, k);

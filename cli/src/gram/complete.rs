@@ -1,0 +1,57 @@
+//! The rows of a table without a missing value, also where they have partners in other files.
+
+use anyhow::{Result, anyhow, bail};
+use catamaran::io::Missing;
+use catamaran::rows::{Design, DesignColumn, Survey};
+use catamaran::{Error, Par};
+
+use super::{GramArgs, Table};
+use crate::report::{is_json, note, status};
+
+impl GramArgs {
+    /// Leaves out the rows of a table with a missing value, if `--missing` says so.
+    pub fn complete(&self, table: Table) -> Result<Table> {
+        let missing = self.other_tables().missing();
+        if missing != Missing::Drop {
+            return Ok(table);
+        }
+        let rows = survey(&table, &[], missing, self.par())?.missing;
+        let columns = (0..table.ncols()).map(DesignColumn::Numbers).collect();
+        Ok(table.designed(Design::new(columns).without_rows(rows)))
+    }
+}
+
+/// Finds the rows of the files of a table with a missing value, which are an error unless they are
+/// left out, and the entries of factors in the other rows.
+pub fn survey(table: &Table, factors: &[usize], missing: Missing, par: Par) -> Result<Survey> {
+    let path = table.a().path().display();
+    let used: Vec<usize> = (0..table.ncols()).collect();
+    let survey = table
+        .read_all(0..table.all_rows(), false, |rows| Survey::of(rows, &used, factors, par))
+        .map_err(|error| match error.downcast_ref() {
+            Some(&Error::NonFinite { index: (row, j), .. }) => {
+                let (path, name) = table.column(j);
+                let path = path.display();
+                anyhow!("{path}: infinite at row {row} (counted from 0), column {name}")
+            }
+            // Others name the file.
+            Some(Error::Argument { .. }) => error.context(path.to_string()),
+            _ => error,
+        })?;
+    let Some(first) = survey.missing.first() else { return Ok(survey) };
+    if missing != Missing::Drop {
+        bail!(
+            "{path}: a value is missing in row {first} (counted from 0); --missing drop leaves \
+             such rows out"
+        );
+    }
+    let dropped = survey.missing.len();
+    let left = table.all_rows() - dropped;
+    let rows = if dropped == 1 { "row" } else { "rows" };
+    note(format_args!("{path}: {dropped} {rows} with a missing cell left out, {left} used"));
+    if is_json() {
+        let name = path.to_string();
+        status!("left_out", path = name, dropped_rows = dropped, rows = left; "{dropped}")?;
+    }
+    Ok(survey)
+}

@@ -1,0 +1,141 @@
+//! Factors and missing values: how the columns and rows of a table become those of A and B.
+
+use std::path::Path;
+
+use anyhow::{Context, Result, bail};
+use catamaran::io::Missing;
+use catamaran::rows::{Design, DesignColumn, Factor};
+
+use super::Rows;
+use super::names::list;
+use crate::gram::{GramArgs, survey};
+use crate::report::status;
+
+/// A column of A as the coefficients see it.
+pub struct Term {
+    /// The name of the column.
+    pub column: String,
+    /// The levels of a factor, the base first; none for numbers.
+    pub levels: Vec<String>,
+}
+
+/// What `--factor` says.
+struct Wanted<'a> {
+    column: usize,
+    base: Option<&'a str>,
+}
+
+/// Rows without missing values, with factors as their indicators.
+pub(super) struct Designed {
+    pub rows: Rows,
+    /// The columns of A.
+    pub terms: Vec<Term>,
+    /// Rows that are left out.
+    pub dropped: usize,
+}
+
+/// Returns the names that `--factor` may mean: a name may have an equals sign, or be one before it.
+pub(super) fn possible_names(factors: &[String]) -> Vec<String> {
+    let before = factors.iter().filter_map(|text| Some(text.split_once('=')?.0.to_owned()));
+    factors.iter().cloned().chain(before).collect()
+}
+
+/// Leaves out rows with missing values, and replaces factors by their indicators.
+pub(super) fn apply(args: &GramArgs, rows: Rows, factors: &[String]) -> Result<Designed> {
+    let path = args.input();
+    let numbers = |column: &String| Term { column: column.clone(), levels: Vec::new() };
+    let mut terms: Vec<Term> = rows.columns.iter().map(numbers).collect();
+    let missing = args.other_tables().missing();
+    if factors.is_empty() && missing != Missing::Drop {
+        return Ok(Designed { rows, terms, dropped: 0 });
+    }
+    let Rows { table, columns, targets, levels } = rows;
+    let wanted = wanted(path, &columns, factors)?;
+    let at: Vec<usize> = wanted.iter().map(|wanted| wanted.column).collect();
+    let survey = survey(&table, &at, missing, args.par())?;
+    let dropped = survey.missing.len();
+    let mut design: Vec<DesignColumn> = (0..table.ncols()).map(DesignColumn::Numbers).collect();
+    for (wanted, entries) in wanted.iter().zip(survey.entries) {
+        let j = wanted.column;
+        let factor = match &levels[j][..] {
+            [] => Factor::of_numbers(&columns[j], entries),
+            words => Factor::of_codes(&columns[j], words.to_vec())
+                .and_then(|factor| factor.with_entries(&entries)),
+        };
+        let factor = factor
+            .and_then(|factor| match wanted.base {
+                Some(base) => factor.with_base(base),
+                None => Ok(factor),
+            })
+            .with_context(|| path.display().to_string())?;
+        let (name, base, levels) = (factor.name(), factor.base(), factor.levels().len());
+        status!(
+            "factor", column = name, base = base, levels = levels;
+            "{name}: {levels} levels, compared with {base}"
+        )?;
+        terms[j].levels = factor.levels().to_vec();
+        design[j] = DesignColumn::Indicators(j, factor);
+    }
+    let columns = terms.iter().flat_map(names).collect();
+    let table = table.designed(Design::new(design).without_rows(survey.missing));
+    Ok(Designed { rows: Rows { table, columns, targets, levels }, terms, dropped })
+}
+
+/// Returns the names of the columns of a term.
+fn names(term: &Term) -> Vec<String> {
+    match &term.levels[..] {
+        [] => vec![term.column.clone()],
+        [_, others @ ..] => {
+            others.iter().map(|level| format!("{}[{level}]", term.column)).collect()
+        }
+    }
+}
+
+/// Finds the columns of `--factor`, each a name, or a name, an equals sign and the base.
+fn wanted<'a>(path: &Path, columns: &[String], factors: &'a [String]) -> Result<Vec<Wanted<'a>>> {
+    let mut found: Vec<Wanted> = Vec::with_capacity(factors.len());
+    for text in factors {
+        let position = |name: &str| columns.iter().position(|column| column == name);
+        // A name may have an equals sign.
+        let whole = position(text).map(|column| Wanted { column, base: None });
+        let split = || {
+            let (name, base) = text.split_once('=')?;
+            Some(Wanted { column: position(name)?, base: Some(base) })
+        };
+        let Some(factor) = whole.or_else(split) else {
+            let known = list(columns.iter().map(String::as_str));
+            bail!("{}: no column {text} for --factor; A has {known}", path.display());
+        };
+        if found.iter().any(|other| other.column == factor.column) {
+            let name = &columns[factor.column];
+            bail!("{}: column {name} is named twice by --factor", path.display());
+        }
+        found.push(factor);
+    }
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn factors_are_found_by_name_with_or_without_a_base() {
+        let columns = ["a", "b=c", "b"].map(str::to_owned);
+        let found = |factors: &[&str]| {
+            let factors: Vec<String> = factors.iter().map(|&text| text.to_owned()).collect();
+            wanted(Path::new("t.csv"), &columns, &factors)
+                .map(|found| {
+                    let pair = |wanted: &Wanted| (wanted.column, wanted.base.map(str::to_owned));
+                    found.iter().map(pair).collect::<Vec<_>>()
+                })
+                .map_err(|error| error.to_string())
+        };
+        assert_eq!(found(&["b=c", "a=x=y"]), Ok(vec![(1, None), (0, Some("x=y".into()))]));
+        assert_eq!(found(&["b=d"]), Ok(vec![(2, Some("d".into()))]));
+        let no = "t.csv: no column z for --factor; A has a, b=c, b";
+        assert_eq!(found(&["z"]), Err(no.into()));
+        let twice = "t.csv: column a is named twice by --factor";
+        assert_eq!(found(&["a", "a=1"]), Err(twice.into()));
+    }
+}

@@ -1,0 +1,333 @@
+//! `catamaran predict`.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use catamaran::Par;
+use catamaran::base::block_rows;
+use catamaran::faer::{Mat, MatRef};
+use catamaran::io::{Columns, Missing, Output, ReadOptions};
+use catamaran::rows::{Design, DesignColumn, Factor, RowBlocks as _};
+use catamaran::solve::{Interval, LinearModel, Uncertainty};
+use clap::ValueEnum;
+use serde::Deserialize;
+
+use crate::claims::{Purpose, claim};
+use crate::common::Force;
+use crate::gram::{SHOWN, Table, survey};
+use crate::progress::Bar;
+use crate::report::{head, row, shown, status};
+use crate::rows::{Source, open};
+use crate::tables::{MatrixFile, TableArgs};
+use crate::{output, parse};
+
+/// Most rows that are predicted at a time.
+const ROWS: usize = 4096;
+
+/// Predict targets from a table with the coefficients that `lstsq -o FIT.json` wrote.
+///
+/// The columns of the table are found by the names that the model has for them: those in the header
+/// of a text table, or numbers counted from 0 where there is no header. Other columns are not used.
+/// A level of a factor that the model does not have is an error. With `--missing nan` a row with a
+/// missing value has no prediction (NaN).
+#[derive(clap::Args)]
+pub struct Args {
+    /// The .json file of the model.
+    #[arg(value_name = "FIT.json")]
+    model: PathBuf,
+    /// The table, in any format of the matrices of `lstsq`.
+    #[arg(value_name = "TABLE")]
+    table: MatrixFile,
+    /// Also return the ends of an interval for each prediction. The model must have been written
+    /// with `lstsq --covariance`.
+    #[arg(long, value_enum, value_name = "OF")]
+    interval: Option<Of>,
+    /// The confidence of the interval, above 0 and below 1.
+    #[arg(
+        long,
+        value_name = "SHARE",
+        default_value = "0.95",
+        value_parser = parse::share,
+        requires = "interval"
+    )]
+    confidence: f64,
+    /// Output file, .csv: a line for each row, with a column for each target, and two more for the
+    /// ends of its interval.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    force: Force,
+    #[command(flatten)]
+    reading: TableArgs,
+}
+
+/// What an interval contains.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Of {
+    /// The mean of all observations with the values of the row.
+    Mean,
+    /// One new observation.
+    Observation,
+}
+
+/// A model as `lstsq` writes it. Other fields are not used.
+#[derive(Debug, Deserialize)]
+struct Model {
+    terms: Vec<Term>,
+    targets: Vec<Target>,
+    degrees_of_freedom: u64,
+    root: Option<Vec<Vec<f64>>>,
+    mean: Option<Vec<f64>>,
+    weight: Option<f64>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Term {
+    column: String,
+    #[serde(default)]
+    levels: Vec<String>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Target {
+    name: String,
+    x: Vec<f64>,
+    x_low: Vec<f64>,
+    intercept: Option<f64>,
+    residual_norm: f64,
+}
+
+/// Runs the subcommand.
+pub fn run(args: &Args) -> Result<()> {
+    let output = match &args.output {
+        Some(path) => Some(output::csv(path, args.force)?),
+        None => None,
+    };
+    let model = Model::read(&args.model)?;
+    let missing = args.reading.missing();
+    let needed = model.needs(args.reading.read_all_rows());
+    let table = Table::of(open("table", &args.table, &needed)?);
+    let name = || args.table.display().to_string();
+    let mut design = model.design(table.a()).with_context(name)?;
+    if missing == Missing::Drop {
+        design = design.without_rows(survey(&table, &[], missing, Par::all())?.missing);
+    }
+    let (x, low) = model.coefficients(&args.model, design.ncols())?;
+    let root = model.root();
+    let intercepts: Vec<f64> =
+        model.targets.iter().map(|target| target.intercept.unwrap_or(0.0)).collect();
+    let norms: Vec<f64> = model.targets.iter().map(|target| target.residual_norm).collect();
+    let uncertainty = match (&root, &model.mean) {
+        (Some(root), Some(mean)) => Some(Uncertainty {
+            root: root.as_ref(),
+            mean,
+            weight: model.weight.unwrap_or(f64::INFINITY),
+            residual_norms: &norms,
+            degrees_of_freedom: model.degrees_of_freedom,
+        }),
+        _ => None,
+    };
+    if args.interval.is_some() && uncertainty.is_none() {
+        bail!(
+            "{}: has no covariance for --interval: write it with `lstsq --covariance`",
+            args.model.display()
+        );
+    }
+    let linear = LinearModel {
+        coefficients: x.as_ref(),
+        coefficients_low: low.as_ref(),
+        intercepts: &intercepts,
+        uncertainty,
+    };
+    let mut sink = Sink::new(output, &model, args.interval.is_some())?;
+    let mut all = table.a().rows::<f64>(missing == Missing::Error)?;
+    let mut rows = design.rows(&mut *all).with_context(name)?;
+    let (count, n) = (rows.nrows(), rows.ncols());
+    let m = count.min(sink.most());
+    let height = block_rows::<f64>(n, false).min(ROWS).min(m).max(1);
+    let bar = Bar::new("rows");
+    for first in (0..m).step_by(height) {
+        bar.step(first as f64 / m as f64)?;
+        let mut block = Mat::zeros(height.min(m - first), n);
+        rows.read(first, block.as_mut()).with_context(name)?;
+        let found = Predictions::of(&linear, block.as_ref(), args)?;
+        sink.add(first, &found)?;
+    }
+    drop(bar);
+    sink.end(count)
+}
+
+impl Model {
+    fn read(path: &Path) -> Result<Self> {
+        claim(path, Purpose::Input)?;
+        let name = || path.display().to_string();
+        let text = fs::read_to_string(path).with_context(name)?;
+        serde_json::from_str(&text)
+            .with_context(|| format!("{}: not a model that `lstsq -o FIT.json` wrote", name()))
+    }
+
+    /// Returns the options that read the columns of the model, in its order.
+    fn needs<'a>(&self, options: ReadOptions<'a>) -> ReadOptions<'a> {
+        let factors = self.terms.iter().filter(|term| !term.levels.is_empty());
+        let table =
+            options.table.clone().factors(factors.map(|term| term.column.clone()).collect());
+        let columns = self.terms.iter().map(|term| term.column.clone()).collect();
+        options.columns(Columns::list(columns)).table(table)
+    }
+
+    /// Returns the design of a table with the columns of the model.
+    fn design(&self, table: &Source) -> Result<Design> {
+        let column = |(j, term): (usize, &Term)| -> Result<DesignColumn> {
+            if term.levels.is_empty() {
+                return Ok(DesignColumn::Numbers(j));
+            }
+            let factor = Factor::in_order(&term.column, term.levels.clone())?;
+            let factor = match table.levels(j) {
+                [] => factor.for_numbers()?,
+                words => factor.for_codes(words)?,
+            };
+            Ok(DesignColumn::Indicators(j, factor))
+        };
+        Ok(Design::new(self.terms.iter().enumerate().map(column).collect::<Result<_>>()?))
+    }
+
+    /// Returns the two parts of the coefficients, n x k.
+    fn coefficients(&self, path: &Path, n: usize) -> Result<(Mat<f64>, Mat<f64>)> {
+        let root = self.root.iter().flatten();
+        let fits = self.targets.iter().all(|target| target.x.len() == n && target.x_low.len() == n)
+            && self.mean.as_ref().is_none_or(|mean| mean.len() == n)
+            && root.into_iter().all(|row| row.len() == n);
+        if !fits {
+            bail!("{}: damaged: its terms have {n} columns", path.display());
+        }
+        let k = self.targets.len();
+        let x = Mat::from_fn(n, k, |j, q| self.targets[q].x[j]);
+        Ok((x, Mat::from_fn(n, k, |j, q| self.targets[q].x_low[j])))
+    }
+
+    /// Returns the root of the covariance, if there is one.
+    fn root(&self) -> Option<Mat<f64>> {
+        let rows = self.root.as_ref()?;
+        let n = self.mean.as_ref()?.len();
+        Some(Mat::from_fn(rows.len(), n, |i, j| rows[i][j]))
+    }
+}
+
+/// Predictions of some rows, and the ends of their intervals.
+struct Predictions {
+    values: Mat<f64>,
+    ends: Option<[Mat<f64>; 2]>,
+}
+
+impl Predictions {
+    fn of(model: &LinearModel<'_>, rows: MatRef<'_, f64>, args: &Args) -> Result<Self> {
+        let interval = args.interval.map(|of| match of {
+            Of::Mean => Interval::Confidence,
+            Of::Observation => Interval::Prediction,
+        });
+        let ends = interval.map(|interval| model.intervals(rows, interval, args.confidence));
+        Ok(Self { values: model.predict(rows)?, ends: ends.transpose()? })
+    }
+
+    /// Returns the prediction, and the ends of its interval.
+    fn of_entry(&self, i: usize, q: usize) -> impl Iterator<Item = f64> + '_ {
+        let ends = self.ends.iter().flatten().map(move |ends| ends[(i, q)]);
+        std::iter::once(self.values[(i, q)]).chain(ends)
+    }
+}
+
+/// Where predictions go: a file, or the screen.
+struct Sink<'a> {
+    output: Option<Output>,
+    model: &'a Model,
+}
+
+impl<'a> Sink<'a> {
+    /// Writes the titles.
+    fn new(mut output: Option<Output>, model: &'a Model, intervals: bool) -> Result<Self> {
+        let mut titles = Vec::new();
+        for Target { name, .. } in &model.targets {
+            titles.push(name.clone());
+            if intervals {
+                titles.extend([format!("{name}_lower"), format!("{name}_upper")]);
+            }
+        }
+        match &mut output {
+            Some(output) => {
+                let titles: Vec<String> = titles.iter().map(|title| quoted(title)).collect();
+                writeln!(output, "{}", titles.join(",")).map_err(|e| output.error(e))?;
+            }
+            None => {
+                let titles = titles.iter().fold(String::new(), |mut line, title| {
+                    let _ = write!(line, "  {title:>23}");
+                    line
+                });
+                head(format_args!("{:>8}{titles}", "row"))?;
+            }
+        }
+        Ok(Self { output, model })
+    }
+
+    /// Returns the number of rows that there is room for.
+    fn most(&self) -> usize {
+        if self.output.is_some() { usize::MAX } else { shown(SHOWN) }
+    }
+
+    /// Adds the predictions of rows.
+    fn add(&mut self, first: usize, found: &Predictions) -> Result<()> {
+        for i in 0..found.values.nrows() {
+            let entries = |q| found.of_entry(i, q);
+            if let Some(output) = &mut self.output {
+                let fields = (0..self.model.targets.len()).flat_map(entries);
+                let fields: Vec<String> = fields.map(|x| format!("{x:?}")).collect();
+                writeln!(output, "{}", fields.join(",")).map_err(|e| output.error(e))?;
+                continue;
+            }
+            let mut line = String::new();
+            let (mut values, mut ends) = (Vec::new(), Vec::new());
+            for q in 0..self.model.targets.len() {
+                entries(q).for_each(|x| {
+                    let _ = write!(line, "  {x:>23.15e}");
+                });
+                values.push(found.values[(i, q)]);
+                ends.extend(entries(q).skip(1));
+            }
+            let number = first + i;
+            row!(
+                "prediction",
+                row = number,
+                values = values,
+                interval_ends = ends;
+                "{number:>8}{line}"
+            )?;
+        }
+        Ok(())
+    }
+
+    /// Completes the file of a table with so many rows.
+    fn end(self, rows: usize) -> Result<()> {
+        let most = self.most();
+        match self.output {
+            Some(output) => {
+                let path = output.path().display().to_string();
+                output.commit()?;
+                status!("written", path = path; "{path}")
+            }
+            None if rows > most => {
+                head(format_args!("... and {} more (-o FILE.csv writes all)", rows - most))
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+/// Returns a field of a table, in quotes where it needs them.
+fn quoted(field: &str) -> String {
+    match field.contains([',', '"', '\n', '\r']) {
+        true => format!("\"{}\"", field.replace('"', "\"\"")),
+        false => field.to_owned(),
+    }
+}
