@@ -245,6 +245,8 @@ fn parquet_and_arrow_files_are_tables() {
         assert!(said.contains("column day has dates, not numbers"), "{said}");
         let said = folder.fail(&format!("ata {missing} --columns x,y"));
         assert!(said.contains("column x") && said.contains("--missing"), "{said}");
+        let with = "--columns f64,word --by-column f64 --factor word --intercept";
+        folder.succeed(&format!("lstsq {kinds} {with}"));
         let run =
             folder.run(&format!("ata {missing} --columns x,y --missing drop -o d.npy --force"));
         let said = format!("note: {missing}: 7 rows with missing cells left out");

@@ -50,11 +50,11 @@ pub fn plan(
             reading.index = true;
             continue;
         }
+        let is_named = |factor: &String| factor == name || *factor == number.to_string();
+        let is_factor = options.words == Words::Factor || options.factors.iter().any(is_named);
         let kind = match kind {
             Kind::Numbers => ColumnKind::Numbers,
-            Kind::Words if options.words == Words::Factor => {
-                ColumnKind::Factor { levels: Vec::new() }
-            }
+            Kind::Words if is_factor => ColumnKind::Factor { levels: Vec::new() },
             _ if columns.is_all() => {
                 reading.left_out.push(name.clone());
                 continue;
