@@ -1,7 +1,7 @@
 //! Matrix files: NumPy `.npy`, MatrixMarket `.mtx` and text tables (`.csv`, `.tsv`, `.txt`), each
 //! also packed (`.gz`, `.xz`); several arrays in one NumPy `.npz` or HDF5 file ([`write_arrays`],
 //! [`read_arrays()`]). Files of rows, read block by block ([`RowFile`]): `.npy`, and HDF5 with
-//! feature `hdf5`.
+//! feature `hdf5`. Parquet and Arrow files with feature `columnar`.
 //!
 //! A reader checks everything it reads: a broken header, a ragged row, text where a number should
 //! be, a truncated file and trailing data are errors that name the file and, in text, the line. A
@@ -10,6 +10,8 @@
 mod accumulator;
 mod archive;
 mod arrays;
+#[cfg(feature = "columnar")]
+mod columnar;
 mod columns;
 mod extents;
 #[cfg(feature = "hdf5")]
@@ -23,11 +25,13 @@ mod npy_header;
 mod npz;
 mod output;
 mod read_arrays;
+mod read_options;
 mod rows;
 mod source;
 mod stored;
 mod strips;
 mod table;
+mod table_file;
 #[cfg(test)]
 mod tests;
 mod unwritten;
@@ -47,13 +51,13 @@ pub use names::FileFormat;
 pub use npz::{Array, NpzWriter, write_npz};
 pub use output::{Output, Overwrite, discard_unfinished, try_discard_unfinished};
 pub use read_arrays::{Arrays, read_arrays, read_arrays_with};
+pub use read_options::ReadOptions;
 pub use rows::RowFile;
 /// The sparse matrix of [`Matrix::Sparse`], from crate sprs.
 pub use sprs::CsMat;
 pub use strips::StripOutput;
-pub use table::{
-    ColumnKind, Missing, Separator, TableColumn, TableFile, TableOptions, TableReading, Words,
-};
+pub use table::{ColumnKind, Missing, Separator, TableColumn, TableOptions, TableReading, Words};
+pub use table_file::TableFile;
 
 // For the other crates of this workspace: no part of the interface.
 #[doc(hidden)]
@@ -65,37 +69,7 @@ pub use source::{Packing, Source};
 
 use self::columns::ColumnNumbers;
 use self::names::MatrixFormat;
-use crate::base::{Error, Progress, Real, Result, options};
-
-options! {
-    /// How [`read`] reads. The default reads everything.
-    ///
-    /// ```
-    /// use catamaran::io::{ReadOptions, read};
-    ///
-    /// # let folder = tempfile::tempdir().unwrap();
-    /// # let path = &folder.path().join("a.csv");
-    /// std::fs::write(path, "1,2,text\n3,4,text\n").unwrap();
-    /// let a = read(path, &ReadOptions::new().columns(0..2).max_memory(1_000_000))?;
-    /// assert_eq!((a.nrows(), a.ncols()), (2, 2));
-    /// # Ok::<(), catamaran::Error>(())
-    /// ```
-    #[derive(Debug, Clone)]
-    pub struct ReadOptions<'a> {
-        /// Columns to keep. In a text table the others may hold anything.
-        columns: Columns = Columns::ALL, setter into;
-        /// The format; `None`: the one that the name of the file ends in, or else that of its
-        /// content.
-        format: Option<FileFormat> = None, setter into;
-        /// How the text of a table is read.
-        table: TableOptions = TableOptions::new();
-        /// As [`SourceOptions::max_memory`]: of the entries, too. It also bounds the size of the
-        /// file, whichever columns are kept.
-        max_memory: Option<u64> = None, setter into;
-        /// Receives the fraction of the file that has been read; may cancel.
-        progress: Progress<'a> = Progress::none(), setter into;
-    }
-}
+use crate::base::{Error, Real, Result};
 
 /// A matrix that was read, and what is known about its columns.
 #[derive(Debug, Clone)]
@@ -103,9 +77,10 @@ options! {
 pub struct FileContent {
     /// The matrix.
     pub matrix: Matrix,
-    /// The names of its columns, in the header of a text table; none elsewhere.
+    /// The names of its columns, in the header of a text table or in a columnar file; none
+    /// elsewhere.
     pub names: Vec<String>,
-    /// How the text table was read; `None` for other formats.
+    /// How the text table or columnar file was read; `None` for other formats.
     pub reading: Option<TableReading>,
     numbers: ColumnNumbers,
 }
@@ -130,6 +105,10 @@ impl FileContent {
 ///   are found as [`TableOptions`] says; [`read_file`] returns what was found. Lines that start
 ///   with `#` and empty lines are skipped, columns of words are left out, and a missing cell is an
 ///   error ([`Missing`]). At least one row of numbers must be there.
+/// - `.parquet`, `.pq`, and Arrow's IPC format in `.arrow`, `.feather`, `.ipc` (feature
+///   `columnar`): f64. Columns have names; those of numbers, truth values and decimals are read,
+///   words are factors ([`Words::Factor`]) or left out, and all others are left out. A null is a
+///   missing cell.
 /// - `.npz`, packed or not: the array `FILE.npz:NAME`, or `FILE.npz` with one array or a sparse
 ///   matrix as `scipy.sparse.save_npz` writes it.
 ///
@@ -189,15 +168,22 @@ pub fn read_file(path: &Path, options: &ReadOptions<'_>) -> Result<FileContent> 
         return Ok(FileContent { matrix, names: Vec::new(), numbers, reading: None });
     }
     let (mut source, format) = FileFormat::open(path, options.format, &source_options)?;
+    let content = |(dense, reading): (Dense<f64>, TableReading)| {
+        let numbers = reading.columns.iter().map(|column| column.number).collect();
+        let numbers = ColumnNumbers::List(numbers);
+        let (matrix, names) = (Matrix::F64(dense), reading.names());
+        Ok(FileContent { matrix, names, numbers, reading: Some(reading) })
+    };
     let matrix = match format {
         FileFormat::Npy => npy::read(&mut source, columns)?,
         FileFormat::Mtx => mtx::read(&mut source, columns)?,
-        FileFormat::Table => {
-            let (dense, reading) = table::read(&mut source, &options.table, columns)?;
-            let numbers = reading.columns.iter().map(|column| column.number).collect();
-            let numbers = ColumnNumbers::List(numbers);
-            let (matrix, names) = (Matrix::F64(dense), reading.names());
-            return Ok(FileContent { matrix, names, numbers, reading: Some(reading) });
+        FileFormat::Table => return content(table::read(&mut source, &options.table, columns)?),
+        FileFormat::Parquet | FileFormat::Arrow => {
+            if source.packing() != Packing::None {
+                let what = "packed, so that its end can't be read first: unpack it first";
+                return Err(source.fail(what));
+            }
+            return content(TableFile::read_columnar(path, format, options)?);
         }
     };
     let (matrix, numbers) = matrix.select(columns)?;

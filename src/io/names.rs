@@ -40,6 +40,10 @@ pub enum FileFormat {
     Mtx,
     /// A text table.
     Table,
+    /// Parquet (feature `columnar`).
+    Parquet,
+    /// A file of Arrow's IPC format, which is version 2 of Feather (feature `columnar`).
+    Arrow,
 }
 
 /// The first bytes of files that are packed by what this library does not read, and its name.
@@ -51,8 +55,18 @@ const HEAD: usize = 1 << 10;
 
 impl FileFormat {
     /// The names of the formats, for faces.
-    pub const NAMES: [(&str, Self); 3] =
-        [("npy", Self::Npy), ("mtx", Self::Mtx), ("table", Self::Table)];
+    pub const NAMES: [(&str, Self); 5] = [
+        ("npy", Self::Npy),
+        ("mtx", Self::Mtx),
+        ("table", Self::Table),
+        ("parquet", Self::Parquet),
+        ("arrow", Self::Arrow),
+    ];
+
+    /// Returns whether columns are stored one after the other, with their names.
+    pub(super) fn is_columnar(self) -> bool {
+        matches!(self, Self::Parquet | Self::Arrow)
+    }
 
     /// Returns the format and the packing that the name of a file ends in, if it is known.
     pub(super) fn of_name(path: &Path) -> Option<(Self, Packing)> {
@@ -62,6 +76,8 @@ impl FileFormat {
             Some("npy") => Self::Npy,
             Some("mtx") => Self::Mtx,
             Some("csv" | "tsv" | "txt") => Self::Table,
+            Some("parquet" | "pq") => Self::Parquet,
+            Some("arrow" | "feather" | "ipc") => Self::Arrow,
             _ => return None,
         };
         Some((format, packing))
@@ -94,10 +110,14 @@ impl FileFormat {
             None => {
                 let head = source.peek(HEAD)?;
                 let is_mtx = head.get(..MTX.len()).is_some_and(|s| s.eq_ignore_ascii_case(MTX));
-                match head.starts_with(b"\x93NUMPY") {
-                    true => Self::Npy,
-                    false if is_mtx => Self::Mtx,
-                    false => Self::Table,
+                match &head[..] {
+                    [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => Self::Npy,
+                    [b'P', b'A', b'R', b'1' | b'E', ..] => Self::Parquet,
+                    [b'A', b'R', b'R', b'O', b'W', b'1', ..] | [b'F', b'E', b'A', b'1', ..] => {
+                        Self::Arrow
+                    }
+                    _ if is_mtx => Self::Mtx,
+                    _ => Self::Table,
                 }
             }
         };
@@ -267,6 +287,14 @@ fn plain(path: &Path) -> Option<File> {
 #[cfg(not(feature = "hdf5"))]
 pub(super) fn without_hdf5(path: &Path) -> Error {
     error(path, None, "HDF5 is not part of this program: build it with --features hdf5")
+}
+
+/// Returns the error for a columnar file in a program without the feature.
+#[cfg(not(feature = "columnar"))]
+pub(super) fn without_columnar(path: &Path) -> Error {
+    let what = "Parquet and Arrow files are not part of this program: build it with --features \
+                columnar";
+    error(path, None, what)
 }
 
 /// Returns the name of a file without its folder, in lower case.

@@ -71,7 +71,7 @@ pub fn open(label: &'static str, path: &Path, options: &ReadOptions<'_>) -> Resu
 pub type Rows<'a, T> = Box<dyn RowBlocks<T> + Send + 'a>;
 
 impl Source {
-    /// Opens `.npy` and HDF5 files and large text tables, and reads all others.
+    /// Opens `.npy`, HDF5 and columnar files and large text tables, and reads all others.
     pub fn open(name: &Path, options: &ReadOptions<'_>) -> Result<Self> {
         let (mut names, mut chosen) = (Vec::new(), Vec::new());
         let content = if options.format.is_none() && RowFile::is_one(name) {
@@ -94,7 +94,7 @@ impl Source {
         &self.name
     }
 
-    /// Returns how the text table was read; `None` for other formats.
+    /// Returns how the text table or columnar file was read; `None` for other formats.
     pub fn reading(&self) -> Option<&TableReading> {
         match &self.content {
             Content::File(_) => None,
@@ -439,9 +439,12 @@ fn rows_of<'a, T: BlasReal>(path: &Path, a: &'a Matrix) -> Result<Rows<'a, T>> {
     })
 }
 
-/// Opens a text table that is read block by block, if the file is a large one.
+/// Opens a table that is read block by block: a large one of text, or any in a columnar format,
+/// which is opened without being read.
 fn large_table(path: &Path, options: &ReadOptions<'_>) -> Result<Option<TableFile>> {
-    if !fs::metadata(path).is_ok_and(|about| about.is_file() && about.len() >= STREAMED) {
+    let is_columnar = options.format.is_none() && TableFile::is_columnar(path);
+    let is_streamed = |len: u64| is_columnar || len >= STREAMED;
+    if !fs::metadata(path).is_ok_and(|about| about.is_file() && is_streamed(about.len())) {
         return Ok(None);
     }
     let bar = Bar::new("reading");
