@@ -116,6 +116,11 @@ impl FileFormat {
                     [b'A', b'R', b'R', b'O', b'W', b'1', ..] | [b'F', b'E', b'A', b'1', ..] => {
                         Self::Arrow
                     }
+                    [0x89, b'H', b'D', b'F', ..] => {
+                        let what = "HDF5, of which blocks of rows are read: \
+                                    RowFile in Rust, `catamaran ata FILE:/dataset`";
+                        return Err(source.fail(what));
+                    }
                     _ if is_mtx => Self::Mtx,
                     _ => Self::Table,
                 }
@@ -339,6 +344,15 @@ mod tests {
         }
         // The names of other formats are kept.
         assert!(RowsFormat::of(&path("a.txt")).is_err());
+    }
+
+    #[test]
+    fn hdf5_that_is_read_as_a_whole_is_no_table() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.nc");
+        std::fs::write(&path, SIGNATURE).unwrap();
+        let refused = FileFormat::open(&path, None, &SourceOptions::new()).err().unwrap();
+        assert!(refused.to_string().contains("a.nc: HDF5, of which blocks of rows"), "{refused}");
     }
 
     #[test]

@@ -34,7 +34,8 @@ mod tests {
         assert_eq!(decimal(12345, 2), 123.45);
         assert_eq!(decimal(-7, 0), -7.0);
         assert_eq!(decimal(3, -2), 300.0);
-        assert_eq!(decimal(12345678901234567890123, 10), 1234567890123.4567890123);
+        let large = "1234567890123.4567890123".parse().unwrap();
+        assert_eq!(decimal(12345678901234567890123, 10), large);
         assert_eq!(decimal(1, 30), 1e-30);
     }
 

@@ -170,7 +170,9 @@ impl Group {
             parts.push((start, part));
             (rest, start) = (below, start + count);
         }
-        par.for_each(parts.into_iter(), |_, (start, part)| match &self.kept {
+        // Readers of columns, which a group has, too, must not be shared by threads.
+        let kept = self.kept.as_deref();
+        par.for_each(parts.into_iter(), |_, (start, part)| match kept {
             None => copy(&columns, |i| start + i, part),
             Some(kept) => copy(&columns, |i| kept[start + i] as usize, part),
         });

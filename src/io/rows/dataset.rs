@@ -19,7 +19,7 @@ use self::entry::Entry;
 use self::layout::{Chunks, Sources};
 use self::packing::Packing;
 use super::file::{BUFFER, Stamp, canonical, seekable};
-use crate::base::{Error, Real, Result, reserved};
+use crate::base::{Real, Result, reserved};
 use crate::io::extents::padded_bytes;
 use crate::io::source::{error, error_at};
 
@@ -94,7 +94,7 @@ impl DatasetRows {
         let chunks = Chunks::of(&dataset, shape, bytes, transposed);
         // The settings of chunks are those of the first one of several handles.
         drop(dataset);
-        let dataset = chunks.open(&file, &name).map_err(|e| fail(path, &e))?;
+        let dataset = chunks.open(&file, &name).map_err(|e| access::fail(path, &e))?;
         let mut notes: Vec<String> = unlocked.into_iter().collect();
         let of_dataset = packing.notes().into_iter().chain(entry.note.clone()).chain(chunks.note);
         notes.extend(of_dataset.map(|note| format!("dataset {name}: {note}")));
@@ -284,8 +284,4 @@ impl DatasetRows {
             error(&self.path, None, format!("dataset {}: HDF5 says: {e}", self.name))
         })
     }
-}
-
-fn fail(path: &Path, e: &::hdf5::Error) -> Error {
-    error(path, None, format!("HDF5 says: {e}"))
 }

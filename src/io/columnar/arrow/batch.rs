@@ -152,7 +152,7 @@ impl Batch {
 
 /// Returns the two numbers of a pair.
 fn halves(pair: &[u8; 16]) -> [i64; 2] {
-    [0, 8].map(|at| i64::from_le_bytes(pair[at..].first_chunk().copied().unwrap_or_default()))
+    [0_usize, 8].map(|at| i64::from_le_bytes(pair[at..].first_chunk().copied().unwrap_or_default()))
 }
 
 fn count(number: i64) -> Result<usize, Fault> {

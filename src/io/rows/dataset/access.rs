@@ -7,8 +7,7 @@ use ::hdf5::{File, MinorErrorCode};
 use ::hdf5_sys::h5f::{H5F_ACC_RDONLY, H5Fopen};
 use ::hdf5_sys::h5p::{H5Pexist, H5Pset};
 
-use super::fail;
-use crate::base::Result;
+use crate::base::{Error, Result};
 use crate::io::source::error;
 
 /// The note of a file that is read without a lock.
@@ -45,6 +44,11 @@ pub(in crate::io) fn open(path: &Path) -> Result<(File, Option<String>)> {
             Err(error(path, None, what))
         }
     }
+}
+
+/// Returns the error for what the library says about a file.
+pub(super) fn fail(path: &Path, e: &::hdf5::Error) -> Error {
+    error(path, None, format!("HDF5 says: {e}"))
 }
 
 /// Opens a file without a lock.

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use ::hdf5::{File, Group, LinkType, LocationType};
 
-use super::{fail, packing};
+use super::access::fail;
+use super::packing;
 use crate::base::{Error, Result};
 use crate::io::source::error;
 
