@@ -1,15 +1,17 @@
 //! Blocks of rows out of HDF5 datasets, which the HDF5 library itself writes here.
 
+use std::ffi::{c_uint, c_void};
 use std::fs::{self, OpenOptions};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use catamaran::faer::prelude::ReborrowMut;
 use catamaran::faer::{Mat, MatMut};
-use catamaran::io::RowFile;
+use catamaran::io::{self, Output, Overwrite, RowFile};
 use catamaran::rows::RowBlocks;
 use catamaran::{Error, Real};
 use hdf5::types::{FixedAscii, VarLenUnicode};
-use hdf5::{Datatype, File, H5Type};
+use hdf5::{Dataset, Datatype, File, H5Type};
 use tempfile::TempDir;
 
 fn folder() -> TempDir {
@@ -250,21 +252,21 @@ fn other_types_and_dimensions_are_refused() {
     file.new_dataset::<VarLenUnicode>().shape((2, 2)).create("text").unwrap();
     file.new_dataset::<FixedAscii<8>>().shape(2).create("names").unwrap();
     file.new_dataset::<Complex>().shape((2, 2)).create("complex").unwrap();
-    file.new_dataset::<bool>().shape((2, 2)).create("bool").unwrap();
     file.new_dataset::<[f64; 3]>().shape(2).create("arrays").unwrap();
     file.new_dataset::<f64>().shape((1, 1, 1)).create("cube").unwrap();
     file.new_dataset::<f64>().shape(()).create("scalar").unwrap();
     let out = file.new_dataset::<f64>().shape((2, 2)).external("raw.bin", 0, 32).create("outside");
     out.unwrap();
     drop(file);
-    for name in ["text", "names", "complex", "bool", "arrays"] {
+    for name in ["text", "names", "complex", "arrays"] {
         let what = refusal(&path, name);
         assert!(what.starts_with(&format!("dataset {name} has entries of type ")), "{what}");
         assert!(what.ends_with(", not real numbers"), "{what}");
     }
     assert_eq!(refusal(&path, "cube"), "dataset cube has 3 dimensions, where a matrix has 2");
     assert_eq!(refusal(&path, "scalar"), "dataset scalar has 0 dimensions, where a matrix has 2");
-    assert_eq!(refusal(&path, "outside"), "dataset outside has its entries in other files");
+    let what = refusal(&path, "outside");
+    assert!(what.starts_with("dataset outside has its entries in other files that are not HDF5"));
 }
 
 #[test]
@@ -354,5 +356,251 @@ fn packing_that_this_library_lacks_is_refused_when_opened() {
     bytes[name - 8..name - 6].copy_from_slice(&32_999_u16.to_le_bytes());
     fs::write(&path, bytes).unwrap();
     let what = refusal(&path, "x");
-    assert!(what.contains("32999") && what.ends_with("which this HDF5 library lacks"), "{what}");
+    assert!(what.contains("32999") && what.contains("which this HDF5 library lacks"), "{what}");
+    assert!(what.contains("HDF5_PLUGIN_PATH"), "{what}");
+}
+
+fn attribute<T: H5Type>(dataset: &Dataset, name: &str, value: T) {
+    dataset.new_attr::<T>().create(name).unwrap().write_scalar(&value).unwrap();
+}
+
+#[test]
+fn attributes_of_netcdf_give_entries_their_meaning_and_notes_say_so() {
+    let folder = folder();
+    let path = folder.path().join("a.nc");
+    let file = File::create(&path).unwrap();
+    let dataset = file.new_dataset::<i16>().shape((2, 3)).create("t2m").unwrap();
+    dataset.write_raw(&[100_i16, -100, 0, -32_767, 3, 9_999]).unwrap();
+    attribute(&dataset, "scale_factor", 0.5_f64);
+    attribute(&dataset, "add_offset", 250.0_f32);
+    attribute(&dataset, "_FillValue", -32_767_i16);
+    attribute(&dataset, "missing_value", 9_999_i16);
+    attribute(&dataset, "valid_min", -200_i16);
+    let bytes = file.new_dataset::<i8>().shape(3).create("bytes").unwrap();
+    bytes.write_raw(&[1_i8, -1, -128]).unwrap();
+    attribute(&bytes, "_Unsigned", FixedAscii::<4>::from_ascii("true").unwrap());
+    let plain = file.new_dataset::<f32>().shape(2).create("plain").unwrap();
+    plain.write_raw(&[1.5_f32, 1e20]).unwrap();
+    attribute(&plain, "scale_factor", 1.0_f64);
+    attribute(&plain, "_FillValue", 1e20_f32);
+    let broken = file.new_dataset::<f32>().shape(2).create("broken").unwrap();
+    broken.new_attr::<f64>().shape(2).create("scale_factor").unwrap().write_raw(&[1.0; 2]).unwrap();
+    drop((dataset, bytes, plain, broken, file));
+
+    let mut rows = RowFile::open(named(&path, "t2m")).unwrap();
+    let found = block::<f64>(&mut rows, 0, 2);
+    let first = Mat::from_fn(1, 3, |_, j| [300.0, 200.0, 250.0][j]);
+    assert_eq!(found.get(..1, ..).to_owned(), first);
+    assert!(found[(1, 0)].is_nan() && found[(1, 2)].is_nan());
+    assert_eq!(found[(1, 1)], 251.5);
+    let notes = rows.notes().join("; ");
+    assert!(notes.contains("t2m: read by its attributes of netCDF: scale_factor 0.5"), "{notes}");
+    assert!(notes.contains("missing -32767 and 9999 (read as NaN)"), "{notes}");
+    assert!(notes.contains("valid_min are not applied"), "{notes}");
+    assert!(rows.identity().contains("add_offset 250"), "{}", rows.identity());
+
+    let mut rows = RowFile::open(named(&path, "bytes")).unwrap();
+    assert_eq!(block::<f64>(&mut rows, 0, 3), Mat::from_fn(3, 1, |i, _| [1.0, 255.0, 128.0][i]));
+    let mut rows = RowFile::open(named(&path, "plain")).unwrap();
+    assert!(rows.is_single());
+    let found = block::<f32>(&mut rows, 0, 2);
+    assert!(found[(0, 0)] == 1.5 && found[(1, 0)].is_nan());
+    let said = refusal(&path, "broken");
+    assert!(said.contains("scale_factor that is not one finite number"), "{said}");
+}
+
+#[test]
+fn numbers_of_any_kind_are_read() {
+    let folder = folder();
+    let path = folder.path().join("a.h5");
+    let file = File::create(&path).unwrap();
+    let truths = file.new_dataset::<bool>().shape((2, 2)).create("bool").unwrap();
+    truths.write_raw(&[true, false, false, true]).unwrap();
+    // SAFETY: copies of types of the library, which the handles then own, and whose fields are
+    // those of IEEE half precision.
+    let [half, long]: [Datatype; 2] = hdf5::sync::sync(|| unsafe {
+        let half = hdf5_sys::h5t::H5Tcopy(*hdf5::globals::H5T_IEEE_F32LE);
+        assert!(hdf5_sys::h5t::H5Tset_fields(half, 15, 10, 5, 0, 10) >= 0);
+        assert!(hdf5_sys::h5t::H5Tset_size(half, 2) >= 0);
+        assert!(hdf5_sys::h5t::H5Tset_ebias(half, 15) >= 0);
+        let long = hdf5_sys::h5t::H5Tcopy(*hdf5::globals::H5T_NATIVE_LDOUBLE);
+        [hdf5::from_id(half).unwrap(), hdf5::from_id(long).unwrap()]
+    });
+    for (name, kind) in [("half", &half), ("long", &long)] {
+        let dataset = file.new_dataset_builder().empty_as(kind).shape((2, 2)).create(name).unwrap();
+        dataset.write_raw(&[0.5, -2.0, 1024.0, 0.0]).unwrap();
+    }
+    drop((truths, file));
+    let truths = Mat::from_fn(2, 2, |i, j| f64::from(u8::from(i == j)));
+    let mut rows = RowFile::open(named(&path, "bool")).unwrap();
+    assert_eq!(block::<f64>(&mut rows, 0, 2), truths);
+    assert_eq!(block::<f32>(&mut rows, 0, 2), truths);
+    for (name, notes) in [("half", 0), ("long", 1)] {
+        let mut rows = RowFile::open(named(&path, name)).unwrap();
+        let expected = Mat::from_fn(2, 2, |i, j| [0.5, -2.0, 1024.0, 0.0][2 * i + j]);
+        assert_eq!(block::<f64>(&mut rows, 0, 2), expected, "{name}");
+        assert_eq!(rows.notes().len(), notes, "{name}: {:?}", rows.notes());
+    }
+}
+
+#[test]
+fn matrices_of_matlab_have_the_shape_that_matlab_shows() {
+    let folder = folder();
+    let path = folder.path().join("a.mat");
+    let file = File::create(&path).unwrap();
+    // By columns: MATLAB's 3 x 4 matrix is a dataset of 4 x 3.
+    let dataset = file.new_dataset::<f64>().shape((4, 3)).create("A").unwrap();
+    let entry = |i: usize, j: usize| (10 * i + j) as f64;
+    let values: Vec<f64> = (0..12).map(|k| entry(k % 3, k / 3)).collect();
+    dataset.write_raw(&values).unwrap();
+    attribute(&dataset, "MATLAB_class", FixedAscii::<6>::from_ascii("double").unwrap());
+    let sparse = file.create_group("S").unwrap();
+    sparse.new_attr::<u64>().create("MATLAB_sparse").unwrap().write_scalar(&3_u64).unwrap();
+    drop((dataset, sparse, file));
+    let rows = RowFile::open(&path).unwrap();
+    assert_eq!((rows.nrows(), rows.ncols()), (3, 4));
+    let mut rows = rows.with_columns(1..4).unwrap();
+    for (first, count) in [(0, 3), (1, 1), (2, 1)] {
+        let expected = Mat::from_fn(count, 3, |i, j| entry(first + i, j + 1));
+        assert_eq!(block::<f64>(&mut rows, first, count), expected);
+        assert_eq!(block::<f32>(&mut rows, first, count), expected);
+    }
+    assert!(refusal(&path, "S").starts_with("S is a sparse matrix (MATLAB)"));
+}
+
+#[test]
+fn virtual_datasets_are_read_and_their_parts_are_watched() {
+    let folder = folder();
+    let part = |k: usize| folder.path().join(format!("part{k}.h5"));
+    for k in 0..2 {
+        let values: Vec<f64> = (0..6).map(|i| (6 * k + i) as f64).collect();
+        store(&File::create(part(k)).unwrap(), "x", (2, 3), &values);
+    }
+    let path = folder.path().join("all.h5");
+    let file = File::create(&path).unwrap();
+    let all =
+        file.new_dataset::<f64>().shape((4, 3)).with_dcpl(|list| {
+            list.virtual_map("part0.h5", "x", (2, 3), (0..2, 0..3), (4, 3), (0..2, 0..3))
+                .virtual_map("part1.h5", "x", (2, 3), (0..2, 0..3), (4, 3), (2..4, 0..3))
+        });
+    drop(all.create("all").unwrap());
+    drop(file);
+    let mut rows = RowFile::open(&path).unwrap();
+    let expected = Mat::from_fn(4, 3, |i, j| (3 * i + j) as f64);
+    assert_eq!(block::<f64>(&mut rows, 0, 4), expected);
+    assert!(rows.identity().contains("part1.h5"), "{}", rows.identity());
+    let changed = OpenOptions::new().write(true).open(part(1)).unwrap();
+    let time = changed.metadata().unwrap().modified().unwrap();
+    changed.set_modified(time + std::time::Duration::from_secs(1)).unwrap();
+    let mut out = Mat::<f64>::zeros(4, 3);
+    assert_eq!(what(&part(1), rows.read(0, out.as_mut())), "changed since it was opened");
+    drop(rows);
+    // HDF5 itself would read zeros.
+    fs::remove_file(part(0)).unwrap();
+    let said = what(&path, RowFile::open(&path));
+    assert!(said.contains("its part part0.h5:x is missing"), "{said}");
+}
+
+#[test]
+fn files_of_any_name_whose_content_is_hdf5_are_read() {
+    let folder = folder();
+    for name in ["a.nc", "a.h5ad", "a.mat", "a"] {
+        let path = folder.path().join(name);
+        simple(&path);
+        assert!(RowFile::is_one(&path));
+        for name in [path.clone(), named(&path, "/g/x")] {
+            let mut rows = RowFile::open(name).unwrap();
+            assert_eq!(block::<f64>(&mut rows, 0, SHAPE.0), counted(SHAPE, f64::from));
+        }
+        assert!(refusal(&path, "/none").contains("/g/x (13 x 7)"));
+    }
+}
+
+#[test]
+fn files_that_others_have_locked_are_read_with_a_note() {
+    let folder = folder();
+    let path = folder.path().join("a.h5");
+    simple(&path);
+    assert!(RowFile::open(&path).unwrap().notes().is_empty());
+    let other = OpenOptions::new().write(true).open(&path).unwrap();
+    other.lock().unwrap();
+    let mut rows = RowFile::open(&path).unwrap();
+    assert!(rows.notes().join("; ").contains("without a lock"), "{:?}", rows.notes());
+    assert_eq!(block::<f64>(&mut rows, 0, SHAPE.0), counted(SHAPE, f64::from));
+}
+
+#[test]
+fn matrices_are_written_in_their_precision() {
+    let folder = folder();
+    let path = folder.path().join("c.h5");
+    let a = Mat::from_fn(5, 3, |i, j| (3 * i + j) as f64);
+    let output = || Output::create(&path, Overwrite::Replace).unwrap();
+    io::write(output(), a.as_ref()).unwrap();
+    let mut rows = RowFile::open(&path).unwrap();
+    assert!(!rows.is_single() && rows.identity().contains("c.h5:/matrix, float64"));
+    assert_eq!(block::<f64>(&mut rows, 0, 5), a);
+    let b = Mat::from_fn(4, 2, |i, j| (2 * i + j) as f32);
+    io::write(output(), b.as_ref()).unwrap();
+    let mut rows = RowFile::open(&path).unwrap();
+    assert!(rows.is_single());
+    assert_eq!(block::<f32>(&mut rows, 0, 4), Mat::from_fn(4, 2, |i, j| (2 * i + j) as f64));
+    let integers = Mat::from_fn(2, 2, |i, j| i as i64 - j as i64);
+    io::write_integers(output(), integers.as_ref()).unwrap();
+    let mut rows = RowFile::open(&path).unwrap();
+    assert_eq!(block::<f64>(&mut rows, 0, 2), Mat::from_fn(2, 2, |i, j| i as f64 - j as f64));
+}
+
+/// How often chunks were unpacked.
+static UNPACKED: AtomicUsize = AtomicUsize::new(0);
+
+/// A filter that leaves bytes as they are, and counts.
+unsafe extern "C" fn count(
+    flags: c_uint,
+    _: usize,
+    _: *const c_uint,
+    bytes: usize,
+    _: *mut usize,
+    _: *mut *mut c_void,
+) -> usize {
+    if flags & hdf5_sys::h5z::H5Z_FLAG_REVERSE != 0 {
+        UNPACKED.fetch_add(1, Ordering::Relaxed);
+    }
+    bytes
+}
+
+#[test]
+fn chunks_of_one_column_are_unpacked_once_whatever_the_blocks() {
+    const FILTER: i32 = 500;
+    let class = hdf5_sys::h5z::H5Z_class2_t {
+        version: 1,
+        id: FILTER,
+        encoder_present: 1,
+        decoder_present: 1,
+        name: c"count".as_ptr(),
+        can_apply: None,
+        set_local: None,
+        filter: Some(count),
+    };
+    // SAFETY: HDF5 copies the class; its name and function live as long as the program.
+    let status =
+        hdf5::sync::sync(|| unsafe { hdf5_sys::h5z::H5Zregister((&raw const class).cast()) });
+    assert!(status >= 0);
+    let folder = folder();
+    let path = folder.path().join("a.h5");
+    // A row of chunks takes 40 MB, more than HDF5 keeps by default and more than 32 MiB.
+    let (m, n) = (100_000, 50);
+    let file = File::create(&path).unwrap();
+    let chunked = file.new_dataset::<f64>().shape((m, n)).chunk((m, 1)).add_filter(FILTER, &[]);
+    let values: Vec<f64> = (0..m * n).map(|k| (k % 1009) as f64).collect();
+    chunked.create("x").unwrap().write_raw(&values).unwrap();
+    drop(file);
+    let rows = RowFile::open(&path).unwrap();
+    assert_eq!(rows.chunk_rows(), m);
+    let mut rows = rows.try_clone().unwrap();
+    let before = UNPACKED.load(Ordering::Relaxed);
+    for first in (0..m).step_by(20_000) {
+        let found = block::<f64>(&mut rows, first, 20_000);
+        assert_eq!(found[(7, 3)], ((first + 7) * n + 3) as f64 % 1009.0);
+    }
+    assert_eq!(UNPACKED.load(Ordering::Relaxed) - before, n);
 }

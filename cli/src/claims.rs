@@ -80,10 +80,11 @@ fn claim_input(path: &Path) {
     }
 }
 
-/// Returns the file of `FILE.h5:/dataset`, or of another name.
+/// Returns the file of `FILE:/dataset` or `FILE:dataset`, or of another name.
 pub fn file_of(name: &Path) -> &Path {
-    let dataset = name.to_str().and_then(|text| text.split_once(":/")).filter(|_| !name.exists());
-    dataset.map_or(name, |(file, _)| Path::new(file))
+    let Some(text) = name.to_str().filter(|_| !name.exists()) else { return name };
+    let mut files = text.match_indices(':').map(|(at, _)| Path::new(&text[..at]));
+    files.find(|file| file.is_file()).unwrap_or(name)
 }
 
 /// Refuses an output in the place of an input.
@@ -202,6 +203,19 @@ mod tests {
         check(&Cli::command(), &mut outputs, &mut faults);
         assert!(faults.is_empty(), "{}", faults.join("\n"));
         assert!(outputs.iter().eq(OUTPUTS.iter()), "{outputs:?}");
+    }
+
+    #[test]
+    fn a_dataset_stands_for_its_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        fs::write(path("a.nc"), "").unwrap();
+        fs::write(path("b:c"), "").unwrap();
+        for (name, file) in
+            [("a.nc:/g/x:y", "a.nc"), ("a.nc:x", "a.nc"), ("b:c", "b:c"), ("none:x", "none:x")]
+        {
+            assert_eq!(file_of(&path(name)), path(file), "{name}");
+        }
     }
 
     #[cfg(unix)]

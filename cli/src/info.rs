@@ -71,11 +71,11 @@ fn libraries() -> Result<()> {
     #[cfg(not(feature = "mpi"))]
     let mpi = "not in this build (build with --features mpi)".to_owned();
     row!("mpi", available = cfg!(feature = "mpi"), library = mpi; "{:WIDTH$}{mpi}", "MPI")?;
-    let hdf5 = match cfg!(feature = "hdf5") {
-        true => "built in",
-        false => "not in this build (build with --features hdf5)",
-    };
-    row!("hdf5", available = cfg!(feature = "hdf5"); "{:WIDTH$}{hdf5}", "HDF5")
+    #[cfg(feature = "hdf5")]
+    let hdf5 = catamaran::io::hdf5_version();
+    #[cfg(not(feature = "hdf5"))]
+    let hdf5 = "not in this build (build with --features hdf5)".to_owned();
+    row!("hdf5", available = cfg!(feature = "hdf5"), library = hdf5; "{:WIDTH$}{hdf5}", "HDF5")
 }
 
 fn back_end(name: &str) -> Result<()> {

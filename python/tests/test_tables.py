@@ -5,6 +5,8 @@ import pytest
 
 import catamaran
 
+from conftest import ROOT
+
 
 def write(folder, text, name="a.csv"):
     path = folder / name
@@ -79,3 +81,60 @@ def test_other_formats_are_read(tmp_path):
     text = "%%MatrixMarket matrix coordinate real general\n2 2 1\n2 1 5.0\n"
     sparse = catamaran.read(write(tmp_path, text, "a.mtx")).values
     assert sparse.toarray().tolist() == [[0, 0], [5, 0]]
+
+
+COLUMNAR = ROOT / "tests" / "common" / "columnar"
+
+
+@pytest.mark.parametrize("kind", ["parquet", "arrow"])
+def test_columnar_files_are_read(kind):
+    path = COLUMNAR / f"kinds.{kind}"
+    table = catamaran.read(path, columns=["i8", "bool", "d9"])
+    assert table.names == ["i8", "bool", "d9"] and table.values.shape == (50, 3)
+    assert table.values[3].tolist() == [-22, 1, 3.75]
+    with pytest.warns(UserWarning, match="factor word of 3 levels"):
+        factors = catamaran.read(path, columns=["word", "category"], factors=True)
+    assert factors.levels == {0: ["w0", "w1", "w2"], 1: ["no", "yes"]}
+    with pytest.raises(ValueError, match="column day has dates"):
+        catamaran.read(path, columns="day")
+    path = COLUMNAR / f"missing.{kind}"
+    with pytest.raises(OSError, match="column x, .*a missing value in row 3"):
+        catamaran.read(path, columns=["x", "y"])
+    with pytest.warns(UserWarning, match="7 rows with missing cells left out"):
+        assert catamaran.read(path, columns=["x", "y"], missing="drop").dropped_rows == 7
+
+
+@pytest.mark.parametrize("codec", ["snappy", "gzip", "zstd", "lz4", "none"])
+def test_large_files_of_pyarrow_are_read(tmp_path, rng, codec):
+    pyarrow = pytest.importorskip("pyarrow")
+    parquet = pytest.importorskip("pyarrow.parquet")
+    n = 100_000
+    values = rng.standard_normal((n, 3))
+    words = rng.integers(0, 500, n)
+    columns = {"x": values[:, 0], "y": values[:, 1].astype("f4"), "z": values[:, 2]}
+    table = pyarrow.table(columns | {"w": [f"w{word:03}" for word in words]})
+    path = tmp_path / "a.parquet"
+    parquet.write_table(table, path, compression=codec, row_group_size=30_000)
+    with pytest.warns(UserWarning, match="factor w of 500 levels"):
+        found = catamaran.read(path, factors=True)
+    assert np.array_equal(found.values[:, 0], columns["x"])
+    assert np.array_equal(found.values[:, 1], columns["y"])
+    assert np.array_equal(found.values[:, 3], words)
+
+
+@pytest.mark.parametrize("codec", ["lz4", "zstd", "uncompressed"])
+def test_large_files_of_polars_are_read(tmp_path, rng, codec):
+    polars = pytest.importorskip("polars")
+    n = 100_000
+    values = rng.standard_normal(n)
+    frame = polars.DataFrame({"x": values, "n": [None if i % 5 == 0 else i for i in range(n)]})
+    kept = np.arange(n) % 5 != 0
+    for path, write in [
+        (tmp_path / "a.arrow", frame.write_ipc),
+        (tmp_path / "a.parquet", frame.write_parquet),
+    ]:
+        write(path, compression=codec)
+        with pytest.warns(UserWarning, match="20000 rows with missing cells left out"):
+            found = catamaran.read(path, missing="drop")
+        assert np.array_equal(found.values[:, 0], values[kept])
+        assert np.array_equal(found.values[:, 1], np.flatnonzero(kept))

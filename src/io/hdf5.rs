@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use ::hdf5::types::{IntSize, TypeDescriptor};
-use ::hdf5::{Dataset, Dataspace, Datatype, File, Hyperslab, Selection};
+use ::hdf5::{Dataset, Dataspace, Datatype, File, H5Type, Hyperslab, Selection};
 use faer::MatRef;
 
 use super::npz::Array;
@@ -12,7 +12,7 @@ use super::output::Output;
 use super::source::error;
 use super::stored::{Begin, Entries, Stored};
 use super::unwritten::Unwritten;
-use crate::base::{Error, Result, reserved};
+use crate::base::{Error, Real, Result, reserved};
 
 /// Entries of rows that are written together.
 const BUFFER: usize = 1 << 20;
@@ -50,7 +50,8 @@ impl Hdf5Writer {
             }
             Array::Matrix(matrix) => {
                 let dataset = file.new_dataset::<f64>().shape(matrix.shape()).create(name);
-                write_at(&dataset.map_err(fail)?, [0, 0], matrix, fail)
+                let entry = |i: usize, j: usize| matrix[(i, j)];
+                write_at(&dataset.map_err(fail)?, [0, 0], matrix.shape(), entry, fail)
             }
         }
     }
@@ -98,7 +99,8 @@ impl Hdf5Writer {
             true => ([written, 0], next.nrows()),
             false => ([0, written], next.ncols()),
         };
-        write_at(dataset, corner, next, |e| failure(&self.output, e))?;
+        let entry = |i: usize, j: usize| next[(i, j)];
+        write_at(dataset, corner, next.shape(), entry, |e| failure(&self.output, e))?;
         self.matrix.written += count;
         Ok(())
     }
@@ -112,10 +114,51 @@ impl Hdf5Writer {
     }
 }
 
+/// Returns the version of the HDF5 library, such as `1.10.8`.
+///
+/// ```
+/// assert_eq!(catamaran::io::hdf5_version().split('.').count(), 3);
+/// ```
+pub fn hdf5_version() -> String {
+    let (major, minor, patch) = ::hdf5::library_version();
+    format!("{major}.{minor}.{patch}")
+}
+
+/// The dataset of a file with one matrix.
+const MATRIX: &str = "matrix";
+
+/// Writes a matrix in its precision.
+pub(super) fn write_matrix<T: Real>(output: Output, matrix: MatRef<'_, T>) -> Result<()> {
+    match T::NAME == f32::NAME {
+        true => write_only(output, matrix.shape(), |i, j| matrix[(i, j)].to_f64() as f32),
+        false => write_only(output, matrix.shape(), |i, j| matrix[(i, j)].to_f64()),
+    }
+}
+
+/// Writes a matrix of integers of 64 bits.
+pub(super) fn write_integers(output: Output, matrix: MatRef<'_, i64>) -> Result<()> {
+    write_only(output, matrix.shape(), |i, j| matrix[(i, j)])
+}
+
+/// Writes the file of one matrix.
+fn write_only<S: H5Type>(
+    output: Output,
+    shape: (usize, usize),
+    entry: impl Fn(usize, usize) -> S,
+) -> Result<()> {
+    let fail = |e| failure(&output, e);
+    let file = File::create(output.temporary_path()).map_err(fail)?;
+    let dataset = file.new_dataset::<S>().shape(shape).create(MATRIX).map_err(fail)?;
+    write_at(&dataset, [0, 0], shape, entry, fail)?;
+    drop(dataset);
+    file.close().map_err(fail)?;
+    output.commit()
+}
+
 /// Reads all datasets of the root.
 pub(super) fn read(path: &Path, begin: Begin<'_>) -> Result<BTreeMap<String, Stored>> {
     let fail = |e| error(path, None, format!("can't be read: HDF5 says: {e}"));
-    let file = File::open(path).map_err(fail)?;
+    let (file, _) = super::rows::open_hdf5(path)?;
     let mut arrays = BTreeMap::new();
     let names = file.member_names().map_err(fail)?;
     let count = names.len();
@@ -140,14 +183,14 @@ fn failure(output: &Output, e: ::hdf5::Error) -> Error {
     error(output.path(), None, format!("can't be written: HDF5 says: {e}"))
 }
 
-/// Writes the entries of `matrix` into the dataset, the first one at `corner`.
-fn write_at(
+/// Writes the entries of a matrix of this shape into the dataset, the first one at `corner`.
+fn write_at<S: H5Type>(
     dataset: &Dataset,
     corner: [usize; 2],
-    matrix: MatRef<'_, f64>,
+    (rows, width): (usize, usize),
+    entry: impl Fn(usize, usize) -> S,
     fail: impl Fn(::hdf5::Error) -> Error,
 ) -> Result<()> {
-    let (rows, width) = matrix.shape();
     if width == 0 {
         return Ok(());
     }
@@ -157,7 +200,7 @@ fn write_at(
         let height = at_once.min(rows - top);
         block.clear();
         for i in top..top + height {
-            block.extend((0..width).map(|j| matrix[(i, j)]));
+            block.extend((0..width).map(|j| entry(i, j)));
         }
         write_block(dataset, [corner[0] + top, corner[1]], width, &block).map_err(&fail)?;
     }
@@ -165,17 +208,17 @@ fn write_at(
 }
 
 /// Writes rows of `width` entries, the first one at `corner`.
-fn write_block(
+fn write_block<S: H5Type>(
     dataset: &Dataset,
     corner: [usize; 2],
     width: usize,
-    block: &[f64],
+    block: &[S],
 ) -> ::hdf5::Result<()> {
     let rows = block.len() / width;
     let span = [(corner[0]..corner[0] + rows).into(), (corner[1]..corner[1] + width).into()];
     let target = dataset.space()?.select(Selection::from(Hyperslab::from(span.to_vec())))?;
     let source = Dataspace::try_new([rows, width])?;
-    let memory = Datatype::from_type::<f64>()?;
+    let memory = Datatype::from_type::<S>()?;
     ::hdf5::sync::sync(|| {
         // SAFETY: the handles are alive; HDF5 reads rows x width entries, which the block has.
         let status = unsafe {

@@ -1,7 +1,7 @@
 //! Matrix files: NumPy `.npy`, MatrixMarket `.mtx` and text tables (`.csv`, `.tsv`, `.txt`), each
 //! also packed (`.gz`, `.xz`); several arrays in one NumPy `.npz` or HDF5 file ([`write_arrays`],
 //! [`read_arrays()`]). Files of rows, read block by block ([`RowFile`]): `.npy`, and HDF5 with
-//! feature `hdf5`.
+//! feature `hdf5`. Parquet and Arrow files with feature `columnar`.
 //!
 //! A reader checks everything it reads: a broken header, a ragged row, text where a number should
 //! be, a truncated file and trailing data are errors that name the file and, in text, the line. A
@@ -10,6 +10,8 @@
 mod accumulator;
 mod archive;
 mod arrays;
+#[cfg(feature = "columnar")]
+mod columnar;
 mod columns;
 mod extents;
 mod gzip;
@@ -25,11 +27,13 @@ mod npz;
 mod output;
 mod packing;
 mod read_arrays;
+mod read_options;
 mod rows;
 mod source;
 mod stored;
 mod strips;
 mod table;
+mod table_file;
 #[cfg(test)]
 mod tests;
 mod unwritten;
@@ -37,6 +41,8 @@ mod xz;
 
 use std::path::Path;
 
+#[cfg(feature = "hdf5")]
+pub use self::hdf5::hdf5_version;
 pub use accumulator::{accumulator_scalar, read_accumulator, write_accumulator};
 pub use arrays::{ArraysWriter, check_arrays_name, write_arrays};
 pub use columns::Columns;
@@ -47,13 +53,13 @@ pub use names::FileFormat;
 pub use npz::{Array, NpzWriter, write_npz};
 pub use output::{Output, Overwrite, discard_unfinished, try_discard_unfinished};
 pub use read_arrays::{Arrays, read_arrays, read_arrays_with};
+pub use read_options::ReadOptions;
 pub use rows::RowFile;
 /// The sparse matrix of [`Matrix::Sparse`], from crate sprs.
 pub use sprs::CsMat;
 pub use strips::StripOutput;
-pub use table::{
-    ColumnKind, Missing, Separator, TableColumn, TableFile, TableOptions, TableReading, Words,
-};
+pub use table::{ColumnKind, Missing, Separator, TableColumn, TableOptions, TableReading, Words};
+pub use table_file::TableFile;
 
 // For the other crates of this workspace: no part of the interface.
 #[doc(hidden)]
@@ -67,37 +73,7 @@ pub use source::Source;
 
 use self::columns::ColumnNumbers;
 use self::names::MatrixFormat;
-use crate::base::{Error, Progress, Real, Result, options};
-
-options! {
-    /// How [`read`] reads. The default reads everything.
-    ///
-    /// ```
-    /// use catamaran::io::{ReadOptions, read};
-    ///
-    /// # let folder = tempfile::tempdir().unwrap();
-    /// # let path = &folder.path().join("a.csv");
-    /// std::fs::write(path, "1,2,text\n3,4,text\n").unwrap();
-    /// let a = read(path, &ReadOptions::new().columns(0..2).max_memory(1_000_000))?;
-    /// assert_eq!((a.nrows(), a.ncols()), (2, 2));
-    /// # Ok::<(), catamaran::Error>(())
-    /// ```
-    #[derive(Debug, Clone)]
-    pub struct ReadOptions<'a> {
-        /// Columns to keep. In a text table the others may hold anything.
-        columns: Columns = Columns::ALL, setter into;
-        /// The format; `None`: the one that the name of the file ends in, or else that of its
-        /// content.
-        format: Option<FileFormat> = None, setter into;
-        /// How the text of a table is read.
-        table: TableOptions = TableOptions::new();
-        /// As [`SourceOptions::max_memory`]: of the entries, too. It also bounds the size of the
-        /// file, whichever columns are kept.
-        max_memory: Option<u64> = None, setter into;
-        /// Receives the fraction of the file that has been read; may cancel.
-        progress: Progress<'a> = Progress::none(), setter into;
-    }
-}
+use crate::base::{Error, Real, Result};
 
 /// A matrix that was read, and what is known about its columns.
 #[derive(Debug, Clone)]
@@ -105,9 +81,10 @@ options! {
 pub struct FileContent {
     /// The matrix.
     pub matrix: Matrix,
-    /// The names of its columns, in the header of a text table; none elsewhere.
+    /// The names of its columns, in the header of a text table or in a columnar file; none
+    /// elsewhere.
     pub names: Vec<String>,
-    /// How the text table was read; `None` for other formats.
+    /// How the text table or columnar file was read; `None` for other formats.
     pub reading: Option<TableReading>,
     numbers: ColumnNumbers,
 }
@@ -132,6 +109,10 @@ impl FileContent {
 ///   are found as [`TableOptions`] says; [`read_file`] returns what was found. Lines that start
 ///   with `#` and empty lines are skipped, columns of words are left out, and a missing cell is an
 ///   error ([`Missing`]). At least one row of numbers must be there.
+/// - `.parquet`, `.pq`, and Arrow's IPC format in `.arrow`, `.feather`, `.ipc` (feature
+///   `columnar`): f64. Columns have names; those of numbers, truth values and decimals are read,
+///   words are factors ([`Words::Factor`]) or left out, and all others are left out. A null is a
+///   missing cell.
 /// - `.npz`, packed or not: the array `FILE.npz:NAME`, or `FILE.npz` with one array or a sparse
 ///   matrix as `scipy.sparse.save_npz` writes it.
 ///
@@ -191,15 +172,22 @@ pub fn read_file(path: &Path, options: &ReadOptions<'_>) -> Result<FileContent> 
         return Ok(FileContent { matrix, names: Vec::new(), numbers, reading: None });
     }
     let (mut source, format) = FileFormat::open(path, options.format, &source_options)?;
+    let content = |(dense, reading): (Dense<f64>, TableReading)| {
+        let numbers = reading.columns.iter().map(|column| column.number).collect();
+        let numbers = ColumnNumbers::List(numbers);
+        let (matrix, names) = (Matrix::F64(dense), reading.names());
+        Ok(FileContent { matrix, names, numbers, reading: Some(reading) })
+    };
     let matrix = match format {
         FileFormat::Npy => npy::read(&mut source, columns)?,
         FileFormat::Mtx => mtx::read(&mut source, columns)?,
-        FileFormat::Table => {
-            let (dense, reading) = table::read(&mut source, &options.table, columns)?;
-            let numbers = reading.columns.iter().map(|column| column.number).collect();
-            let numbers = ColumnNumbers::List(numbers);
-            let (matrix, names) = (Matrix::F64(dense), reading.names());
-            return Ok(FileContent { matrix, names, numbers, reading: Some(reading) });
+        FileFormat::Table => return content(table::read(&mut source, &options.table, columns)?),
+        FileFormat::Parquet | FileFormat::Arrow => {
+            if source.packing() != Packing::None {
+                let what = "packed, so that its end can't be read first: unpack it first";
+                return Err(source.fail(what));
+            }
+            return content(TableFile::read_columnar(path, format, options)?);
         }
     };
     let (matrix, numbers) = matrix.select(columns)?;
@@ -208,7 +196,8 @@ pub fn read_file(path: &Path, options: &ReadOptions<'_>) -> Result<FileContent> 
 
 /// Writes `matrix` (any shape and strides) into `output`, in the format of its name, and lets it
 /// appear: `.npy` in C order and the precision of T, `.mtx` as a general real array, text tables
-/// with commas (tabs in `.tsv`, blanks in `.txt`) and enough digits to read the same number back.
+/// with commas (tabs in `.tsv`, blanks in `.txt`) and enough digits to read the same number back;
+/// HDF5 (`.h5`, `.hdf5`, `.he5`, feature `hdf5`) with the dataset `/matrix`.
 ///
 /// ```
 /// use catamaran::{faer::mat, io::{Output, Overwrite, write}};
@@ -223,10 +212,16 @@ pub fn read_file(path: &Path, options: &ReadOptions<'_>) -> Result<FileContent> 
 /// # Errors
 /// [`Error::Io`]; no file is left behind then.
 pub fn write<T: Real>(output: Output, matrix: MatRef<'_, T>) -> Result<()> {
+    #[cfg(feature = "hdf5")]
+    if MatrixFormat::of(output.path())?.0 == MatrixFormat::Hdf5 {
+        return hdf5::write_matrix(output, matrix);
+    }
     write_with(output, |sink, format| match format {
         MatrixFormat::Npy => npy::write(sink, matrix),
         MatrixFormat::Mtx => mtx::write(sink, matrix, "real"),
         MatrixFormat::Table(separator) => table::write(sink, matrix, separator),
+        #[cfg(feature = "hdf5")]
+        MatrixFormat::Hdf5 => Err(std::io::Error::other("HDF5 is not written as a stream")),
     })
 }
 
@@ -247,14 +242,14 @@ pub fn write<T: Real>(output: Output, matrix: MatRef<'_, T>) -> Result<()> {
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`], also where the name ends in that of a text table, whose fields
-/// are real numbers; no file is left behind then.
+/// [`Error::Io`], also where the name ends in that of a text table or of HDF5,
+/// which hold real numbers; no file is left behind then.
 pub fn write_complex(output: Output, matrix: MatRef<'_, c64>) -> Result<()> {
     check_complex_name(output.path())?;
     write_with(output, |sink, format| match format {
         MatrixFormat::Npy => npy::write_complex(sink, matrix),
         MatrixFormat::Mtx => mtx::write_complex(sink, matrix),
-        MatrixFormat::Table(_) => Ok(()),
+        _ => Err(std::io::Error::other(NO_COMPLEX)),
     })
 }
 
@@ -270,13 +265,14 @@ pub fn write_complex(output: Output, matrix: MatRef<'_, c64>) -> Result<()> {
 /// # Errors
 /// [`Error::Io`] when it does not.
 pub fn check_complex_name(path: &Path) -> Result<()> {
-    match MatrixFormat::of(path)? {
-        (MatrixFormat::Table(_), _) => {
-            Err(Error::file(path, "complex numbers: the name must end in .npy or .mtx"))
-        }
-        _ => Ok(()),
+    match MatrixFormat::of(path)?.0 {
+        MatrixFormat::Npy | MatrixFormat::Mtx => Ok(()),
+        _ => Err(Error::file(path, NO_COMPLEX)),
     }
 }
+
+/// The error for complex numbers in a file of a format without them.
+const NO_COMPLEX: &str = "complex numbers: the name must end in .npy or .mtx";
 
 /// Writes integers, such as numbers of vertices, as [`write()`] writes real numbers: `.npy` with
 /// entries of type i8 (64 bits), `.mtx` as a general integer array, text tables without a decimal
@@ -295,10 +291,16 @@ pub fn check_complex_name(path: &Path) -> Result<()> {
 /// # Errors
 /// [`Error::Io`]; no file is left behind then.
 pub fn write_integers(output: Output, matrix: MatRef<'_, i64>) -> Result<()> {
+    #[cfg(feature = "hdf5")]
+    if MatrixFormat::of(output.path())?.0 == MatrixFormat::Hdf5 {
+        return hdf5::write_integers(output, matrix);
+    }
     write_with(output, |sink, format| match format {
         MatrixFormat::Npy => npy::write_integers(sink, matrix),
         MatrixFormat::Mtx => mtx::write(sink, matrix, "integer"),
         MatrixFormat::Table(separator) => table::write(sink, matrix, separator),
+        #[cfg(feature = "hdf5")]
+        MatrixFormat::Hdf5 => Err(std::io::Error::other("HDF5 is not written as a stream")),
     })
 }
 

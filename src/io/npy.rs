@@ -99,16 +99,20 @@ struct Half([u8; 2]);
 
 impl Stored<2> for Half {
     fn value(bytes: [u8; 2], big: bool) -> f64 {
-        let bits = if big { u16::from_be_bytes(bytes) } else { u16::from_le_bytes(bytes) };
-        let (exponent, fraction) = (i32::from(bits >> 10 & 0x1f), f64::from(bits & 0x3ff));
-        let size = match exponent {
-            0 => fraction * 2_f64.powi(-24),
-            0x1f if fraction == 0.0 => f64::INFINITY,
-            0x1f => f64::NAN,
-            _ => (1024.0 + fraction) * 2_f64.powi(exponent - 25),
-        };
-        if bits >> 15 == 1 { -size } else { size }
+        half(if big { u16::from_be_bytes(bytes) } else { u16::from_le_bytes(bytes) })
     }
+}
+
+/// Returns the number in half precision with these bits.
+pub(super) fn half(bits: u16) -> f64 {
+    let (exponent, fraction) = (i32::from(bits >> 10 & 0x1f), f64::from(bits & 0x3ff));
+    let size = match exponent {
+        0 => fraction * 2_f64.powi(-24),
+        0x1f if fraction == 0.0 => f64::INFINITY,
+        0x1f => f64::NAN,
+        _ => (1024.0 + fraction) * 2_f64.powi(exponent - 25),
+    };
+    if bits >> 15 == 1 { -size } else { size }
 }
 
 /// The long double of x86: 80 bits, in 16 bytes.

@@ -284,6 +284,18 @@ impl Work<'_> {
         }
     }
 
+    /// Returns the bytes that this process may take.
+    fn memory(&self) -> usize {
+        self.args.memory.unwrap_or_else(|| memory::allowed(self.ranks))
+    }
+
+    /// Returns the file, its shape and the memory, for the error of a shortage.
+    fn limits(&self) -> String {
+        let (name, (m, n)) = (self.args.input.display(), self.a.shape());
+        let memory = self.memory() as f64 / f64::from(1 << 30);
+        format!("{name}: {m} x {n}, with {memory:.3} GiB of memory (--memory)")
+    }
+
     /// Returns the plan, which is the same for all processes: for the least memory and the most
     /// threads that one of them has.
     fn plan<T: Scalar>(
@@ -292,14 +304,14 @@ impl Work<'_> {
         options: &AtaOptions<'_>,
     ) -> Result<StreamPlan> {
         let Self { args, ranks, .. } = self;
-        let memory = ranks.least(args.memory.unwrap_or_else(|| memory::allowed(ranks)));
+        let memory = ranks.least(self.memory());
         // A process holds the sums of another one, too, when it merges them.
         let memory = if ranks.size() > 1 { memory / 2 } else { memory };
         let most = usize::MAX - ranks.least(usize::MAX - options.par.threads());
         let options = options.clone().par(Par::Threads(most));
         let height = args.block_rows.map(NonZeroUsize::get);
         let plan = StreamPlan::new::<T>(m, n, self.weights.is_some(), height, memory, &options);
-        let plan = ranks.meet(plan.map_err(Into::into))?;
+        let plan = ranks.meet(plan.with_context(|| self.limits()))?;
         let strips = plan.strips().iter();
         let hash = strips.fold(0, |hash: usize, strip| hash.wrapping_mul(31) ^ strip.end);
         ranks.same_numbers(&[
@@ -334,7 +346,8 @@ impl Work<'_> {
         let (args, ranks) = (self.args, self.ranks);
         let (m, n) = self.a.shape();
         let (labels, exact) = (self.labels(options), options.asks_for_exact());
-        let begun = args.checkpoint.resume::<T>(ranks, (m, n), &labels, exact)?;
+        let together = self.a.chunk_rows();
+        let begun = args.checkpoint.resume::<T>(ranks, (m, n), together, &labels, exact)?;
         let Begun { sum, rows, done } = begun;
         // Processes without sums need the grid of those of the others.
         let bounds = match ranks.total(usize::from(sum.is_none())) {
@@ -344,7 +357,8 @@ impl Work<'_> {
         let sum = match sum {
             Some(sum) => Ok(sum),
             None => {
-                self.empty(bounds.as_ref(), 0..n).with_context(|| format!("C of {n} x {n} entries"))
+                let what = || format!("{}: C of {n} x {n} entries", self.limits());
+                self.empty(bounds.as_ref(), 0..n).with_context(what)
             }
         };
         let mut sum = ranks.meet(sum)?;
@@ -535,7 +549,7 @@ impl Work<'_> {
         };
         let mut output = ranks.meet(begun())?;
         let start = Instant::now();
-        let list = RowList::from(ranks.share(m));
+        let list = RowList::from(ranks.share(m, self.a.chunk_rows()));
         let bounds = self.bounds::<T>(&list, plan, options)?;
         let bar = Bar::new("computing");
         let mut unbounded = Unbounded::default();

@@ -145,7 +145,7 @@ impl<'a> Pass<'a> {
         let (m, n) = (self.table.nrows(), self.table.ncols());
         let labels = self.labels();
         let Begun { sum, rows, .. } =
-            args.checkpoint.resume::<f64>(ranks, (m, n), &labels, true)?;
+            args.checkpoint.resume::<f64>(ranks, (m, n), self.table.chunk_rows(), &labels, true)?;
         let weights = self.weights.as_ref().map(|weights| rows.pick(weights));
         let weights = weights.as_deref();
         // Processes without sums need the grid of those of the others.

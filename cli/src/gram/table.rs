@@ -63,6 +63,11 @@ impl Table {
         &self.a
     }
 
+    /// Returns how many rows of A are packed together.
+    pub fn chunk_rows(&self) -> usize {
+        self.a.chunk_rows()
+    }
+
     /// Returns the number of rows.
     pub fn nrows(&self) -> usize {
         let left_out = self.design.as_ref().map_or(0, |design| design.left_out().len());

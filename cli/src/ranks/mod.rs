@@ -67,9 +67,10 @@ impl Ranks {
         status!("ranks", count = self.size(); "{}, each with its part of the rows", self.size())
     }
 
-    /// Returns the rows of `m` that this process takes.
-    pub fn share(&self, m: usize) -> Range<usize> {
-        share(m, self.rank(), self.size())
+    /// Returns the rows of `m` that this process takes, of which `together` rows are read at once:
+    /// those of a packed chunk, which else two processes would unpack.
+    pub fn share(&self, m: usize, together: usize) -> Range<usize> {
+        share(m, together, self.rank(), self.size())
     }
 
     /// Returns the rank and the number of processes, for names and labels; `None` for a single
@@ -79,9 +80,12 @@ impl Ranks {
     }
 }
 
-/// Returns part `rank` of `size` parts of `0..m`.
-fn share(m: usize, rank: usize, size: usize) -> Range<usize> {
-    let bound = |rank: usize| m / size * rank + (m % size).min(rank);
+/// Returns part `rank` of `size` parts of `0..m`, which begin at multiples of `together` if there
+/// are enough of these for all parts.
+fn share(m: usize, together: usize, rank: usize, size: usize) -> Range<usize> {
+    let step = if m / together.max(1) >= size { together.max(1) } else { 1 };
+    let steps = m.div_ceil(step);
+    let bound = |rank: usize| ((steps / size * rank + (steps % size).min(rank)) * step).min(m);
     bound(rank)..bound(rank + 1)
 }
 
@@ -112,13 +116,22 @@ mod tests {
     #[test]
     fn shares_follow_each_other_and_are_even() {
         for (m, size) in [(0, 3), (7, 3), (9, 3), (2, 5)] {
-            let all: Vec<_> = (0..size).map(|rank| share(m, rank, size)).collect();
+            let all: Vec<_> = (0..size).map(|rank| share(m, 1, rank, size)).collect();
             assert_eq!((all[0].start, all[size - 1].end), (0, m));
             for pair in all.windows(2) {
                 assert_eq!(pair[0].end, pair[1].start);
                 assert!(pair[0].len() - pair[1].len() <= 1);
             }
         }
+    }
+
+    #[test]
+    fn shares_begin_with_chunks_unless_there_are_fewer_chunks_than_processes() {
+        let all = |m, together| [0, 1, 2].map(|rank| share(m, together, rank, 3));
+        assert_eq!(all(1000, 100), [0..400, 400..700, 700..1000]);
+        assert_eq!(all(350, 100), [0..200, 200..300, 300..350]);
+        assert_eq!(all(299, 100), [0..100, 100..200, 200..299]);
+        assert_eq!(all(9, 100), [0..3, 3..6, 6..9]);
     }
 
     #[test]

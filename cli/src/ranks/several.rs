@@ -241,7 +241,7 @@ impl Ranks {
         let Some(mpi) = &self.mpi else {
             return eigs_sliced(stiffness.view(), mass, options, memory, sink);
         };
-        let own = self.share(stiffness.rows());
+        let own = self.share(stiffness.rows(), 1);
         let rows = |matrix: &CsMat<f64>| matrix.slice_outer(own.clone()).to_owned();
         let own_mass = match mass {
             Mass::Lumped(masses) => Mass::Lumped(masses[own.clone()].to_vec()),

@@ -70,20 +70,22 @@ impl CheckpointArgs {
     }
 
     /// Returns what this process begins with: sums of all n columns of some of the m rows, with
-    /// --resume and if there is a checkpoint, and its rows. All processes call this function.
+    /// --resume and if there is a checkpoint, and its rows, of which `together` are read at once.
+    /// All processes call this function.
     pub fn resume<T: BlasReal>(
         &self,
         ranks: &Ranks,
         (m, n): (usize, usize),
+        together: usize,
         labels: &[(String, String)],
         exact: bool,
     ) -> Result<Begun<T>> {
         let Some(base) = self.checkpoint.as_deref().filter(|_| self.resume) else {
-            return Ok(Begun { sum: None, rows: ranks.share(m).into(), done: 0 });
+            return Ok(Begun { sum: None, rows: ranks.share(m, together).into(), done: 0 });
         };
         let begun = match exact {
-            true => of_any_run(base, ranks, (m, n), labels)?,
-            false => of_this_process(base, ranks, (m, n), labels)?,
+            true => of_any_run(base, ranks, (m, n), together, labels)?,
+            false => of_this_process(base, ranks, (m, n), together, labels)?,
         };
         let (name, done) = (base.display().to_string(), begun.done);
         match (done, ranks.size()) {
@@ -151,9 +153,10 @@ fn of_this_process<T: BlasReal>(
     base: &Path,
     ranks: &Ranks,
     (m, n): (usize, usize),
+    together: usize,
     labels: &[(String, String)],
 ) -> Result<Begun<T>> {
-    let rows = RowList::from(ranks.share(m));
+    let rows = RowList::from(ranks.share(m, together));
     let path = CheckpointFile::name(base, ranks.label().as_deref());
     let saved = || -> Result<Option<Accumulator<T>>> {
         if path.symlink_metadata().is_ok() {
@@ -182,6 +185,7 @@ fn of_any_run<T: BlasReal>(
     base: &Path,
     ranks: &Ranks,
     (m, n): (usize, usize),
+    together: usize,
     labels: &[(String, String)],
 ) -> Result<Begun<T>> {
     let found = match ranks.is_first() {
@@ -196,7 +200,7 @@ fn of_any_run<T: BlasReal>(
         let Some(rest) = all.rest(m) else {
             bail!("{name}: its files have the sums of some rows twice, or of rows that A lacks")
         };
-        let own = rest.part(ranks.share(rest.len()));
+        let own = rest.part(ranks.share(rest.len(), together));
         let (mut sum, mut before) = (None::<Accumulator<T>>, RowList::default());
         let of_own = |rank: usize| rank % ranks.size() == ranks.rank();
         for part in saved.parts.iter().filter(|part| of_own(part.rank)) {

@@ -21,7 +21,7 @@ use super::list::RowList;
 use crate::claims::file_of;
 use crate::progress::Bar;
 use crate::ranks::Ranks;
-use crate::report::{seconds, status};
+use crate::report::{note, seconds, status};
 use crate::tables::{self, TableArgs};
 
 /// The matrix A.
@@ -48,9 +48,7 @@ const STREAMED: u64 = 32 << 20;
 pub fn open(label: &'static str, path: &Path, options: &ReadOptions<'_>) -> Result<Source> {
     let start = Instant::now();
     let source = Source::open(path, options)?;
-    if let Some(reading) = source.reading() {
-        tables::say(path, reading)?;
-    }
+    source.say()?;
     let (m, n) = source.shape();
     let time = (!source.is_file()).then(|| start.elapsed());
     let how = time.map_or("read by blocks".into(), |time| format!("read in {}", seconds(time)));
@@ -73,7 +71,7 @@ pub fn open(label: &'static str, path: &Path, options: &ReadOptions<'_>) -> Resu
 pub type Rows<'a, T> = Box<dyn RowBlocks<T> + Send + 'a>;
 
 impl Source {
-    /// Opens `.npy` and HDF5 files and large text tables, and reads all others.
+    /// Opens `.npy`, HDF5 and columnar files and large text tables, and reads all others.
     pub fn open(name: &Path, options: &ReadOptions<'_>) -> Result<Self> {
         let (mut names, mut chosen) = (Vec::new(), Vec::new());
         let content = if options.format.is_none() && RowFile::is_one(name) {
@@ -84,7 +82,7 @@ impl Source {
             names = file.reading().names();
             Content::Table(Box::new(file))
         } else {
-            let content = read(name, "reading", options)?;
+            let content = read(name, options)?;
             names = content.names.clone();
             Content::Whole(content)
         };
@@ -96,13 +94,23 @@ impl Source {
         &self.name
     }
 
-    /// Returns how the text table was read; `None` for other formats.
+    /// Returns how the text table or columnar file was read; `None` for other formats.
     pub fn reading(&self) -> Option<&TableReading> {
         match &self.content {
             Content::File(_) => None,
             Content::Table(file) => Some(file.reading()),
             Content::Whole(content) => content.reading.as_ref(),
         }
+    }
+
+    /// Says how a text table was read, and what a user may not expect of the rows of a file.
+    fn say(&self) -> Result<()> {
+        if let Content::File(file) = &self.content {
+            for line in file.notes() {
+                note(format_args!("{}: {line}", file.path().display()));
+            }
+        }
+        self.reading().map_or(Ok(()), |reading| tables::say(&self.name, reading))
     }
 
     /// Returns the levels that the entries of a column are numbers of; none for numbers.
@@ -165,6 +173,14 @@ impl Source {
             Content::File(file) => (file.nrows(), self.chosen.len()),
             Content::Table(file) => (file.nrows(), file.ncols()),
             Content::Whole(content) => (content.matrix.nrows(), content.matrix.ncols()),
+        }
+    }
+
+    /// Returns how many rows are packed together; 1 where rows are not packed.
+    pub fn chunk_rows(&self) -> usize {
+        match &self.content {
+            Content::File(file) => file.chunk_rows(),
+            Content::Table(_) | Content::Whole(_) => 1,
         }
     }
 
@@ -423,9 +439,12 @@ fn rows_of<'a, T: BlasReal>(path: &Path, a: &'a Matrix) -> Result<Rows<'a, T>> {
     })
 }
 
-/// Opens a text table that is read block by block, if the file is a large one.
+/// Opens a table that is read block by block: a large one of text, or any in a columnar format,
+/// which is opened without being read.
 fn large_table(path: &Path, options: &ReadOptions<'_>) -> Result<Option<TableFile>> {
-    if !fs::metadata(path).is_ok_and(|about| about.is_file() && about.len() >= STREAMED) {
+    let is_columnar = options.format.is_none() && TableFile::is_columnar(path);
+    let is_streamed = |len: u64| is_columnar || len >= STREAMED;
+    if !fs::metadata(path).is_ok_and(|about| about.is_file() && is_streamed(about.len())) {
         return Ok(None);
     }
     let bar = Bar::new("reading");
@@ -433,8 +452,8 @@ fn large_table(path: &Path, options: &ReadOptions<'_>) -> Result<Option<TableFil
     named(path, TableFile::open(path, &options.clone().progress(&update)))
 }
 
-fn read(path: &Path, label: &'static str, options: &ReadOptions<'_>) -> Result<FileContent> {
-    let bar = Bar::new(label);
+fn read(path: &Path, options: &ReadOptions<'_>) -> Result<FileContent> {
+    let bar = Bar::new("reading");
     let update = |fraction| bar.update(fraction);
     named(path, files::read_file(path, &options.clone().progress(&update)))
 }
@@ -449,15 +468,14 @@ fn named<R>(path: &Path, result: catamaran::Result<R>) -> Result<R> {
     }
 }
 
-/// Reads the weights of the rows of A from a file with one row or one column.
+/// Reads the weights of the rows of A from a file with one row or one column, also of HDF5
+/// (`FILE.h5:/dataset`).
 pub fn read_weights(path: &Path, a: &Source, table: &TableArgs) -> Result<Vec<f64>> {
     a.refuse_dropped(path)?;
     let m = a.shape().0;
-    let FileContent { matrix, reading, .. } = read(path, "weights", &table.of_weights())?;
-    if let Some(reading) = &reading {
-        tables::say(path, reading)?;
-    }
-    let (nrows, ncols) = (matrix.nrows(), matrix.ncols());
+    let source = Source::open(path, &table.of_weights())?;
+    source.say()?;
+    let (nrows, ncols) = source.shape();
     if (nrows, ncols) != (m, 1) && (nrows, ncols) != (1, m) {
         bail!(
             "{}: {nrows} x {ncols} where the {m} rows of {} need {m} weights",
@@ -466,7 +484,7 @@ pub fn read_weights(path: &Path, a: &Source, table: &TableArgs) -> Result<Vec<f6
         );
     }
     let mut values = Mat::zeros(nrows, ncols);
-    rows_of::<f64>(path, &matrix)?.read(0, values.as_mut())?;
+    source.rows::<f64>(false)?.read(0, values.as_mut())?;
     let weights: Vec<f64> =
         (0..m).map(|i| if ncols == 1 { values[(i, 0)] } else { values[(0, i)] }).collect();
     match weights.iter().position(|w| !w.is_finite()) {

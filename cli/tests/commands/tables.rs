@@ -252,3 +252,30 @@ fn every_table_that_people_sent_is_read_right_or_says_what_decides() {
     let unknown: Vec<_> = names.filter(|name| !known.contains(name.to_str().unwrap())).collect();
     assert!(unknown.is_empty(), "{unknown:?}");
 }
+
+#[cfg(feature = "columnar")]
+#[test]
+fn parquet_and_arrow_files_are_tables() {
+    let folder = Folder::new();
+    let files = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/common/columnar");
+    for kind in ["parquet", "arrow"] {
+        let (kinds, missing) = (format!("kinds.{kind}"), format!("missing.{kind}"));
+        for name in [&kinds, &missing] {
+            fs::copy(files.join(name), folder.path(name)).unwrap();
+        }
+        folder.succeed(&format!("ata {kinds} --columns i8,bool -o c.npy --force"));
+        // The sums of (i - 25)^2, of i - 25 and of 1, the last two over multiples of 3.
+        let c = folder.read_npy::<f64>("c.npy", &[2; 2]);
+        assert_eq!(c, [10425.0, -17.0, -17.0, 17.0]);
+        let said = folder.fail(&format!("ata {kinds} --columns f64,day"));
+        assert!(said.contains("column day has dates, not numbers"), "{said}");
+        let said = folder.fail(&format!("ata {missing} --columns x,y"));
+        assert!(said.contains("column x") && said.contains("--missing"), "{said}");
+        let with = "--columns f64,word --by-column f64 --factor word --intercept";
+        folder.succeed(&format!("lstsq {kinds} {with}"));
+        let run =
+            folder.run(&format!("ata {missing} --columns x,y --missing drop -o d.npy --force"));
+        let said = format!("note: {missing}: 7 rows with missing cells left out");
+        assert!(run.stderr.contains(&said), "{}", run.stderr);
+    }
+}

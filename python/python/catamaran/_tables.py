@@ -78,7 +78,8 @@ def read(
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> Table:
-    """Read a matrix from a text table, .npy or MatrixMarket, each also packed by gzip or xz.
+    """Read a matrix from a text table, .npy or MatrixMarket, each also packed by gzip or xz, or
+    from Parquet or Arrow (Feather).
 
     A file has one reading or none: by default its beginning decides how a table is read, and what
     it leaves open is an error that names the option that decides.
@@ -109,7 +110,7 @@ def read(
         Whether the first column numbers or names the rows, and is left out.
     encoding : str, optional
         The encoding of text.
-    format : {"npy", "mtx", "table"}, optional
+    format : {"npy", "mtx", "table", "parquet", "arrow"}, optional
         The format, whatever the name of the file ends in.
     factors : bool, or sequence of int and str
         Whether columns of words become factors: numbers of their levels. Otherwise they are left

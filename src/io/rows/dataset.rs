@@ -1,29 +1,27 @@
 //! Rows of HDF5 datasets.
 
+mod access;
+mod entry;
+mod layout;
+mod listing;
+mod packing;
+
 use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use ::hdf5::dataset::Layout;
-use ::hdf5::types::{FloatSize, TypeDescriptor};
-use ::hdf5::{
-    Dataset, Dataspace, Datatype, File, Group, H5Type, Hyperslab, LinkType, LocationType,
-    MinorErrorCode, Selection,
-};
+use ::hdf5::{Dataset, Dataspace, Datatype, File, H5Type, Hyperslab, LocationType, Selection};
 use faer::MatMut;
 use faer::prelude::ReborrowMut;
 
+pub(in crate::io) use self::access::open;
+use self::entry::Entry;
+use self::layout::{Chunks, Sources};
+use self::packing::Packing;
 use super::file::{BUFFER, Stamp, canonical, seekable};
-use crate::base::{Error, Real, Result, reserved};
+use crate::base::{Real, Result, reserved};
 use crate::io::extents::padded_bytes;
 use crate::io::source::{error, error_at};
-
-/// Bytes of unpacked chunks that are kept, and slots of the table that finds them: a prime, as the
-/// documentation of HDF5 recommends.
-const CACHE: (usize, usize) = (32 << 20, 12_421);
-
-/// Datasets named in an error.
-const LISTED: usize = 20;
 
 #[derive(Debug)]
 pub(super) struct DatasetRows {
@@ -34,9 +32,17 @@ pub(super) struct DatasetRows {
     /// The file that a link in `path` leads to, or `path` itself.
     holder: PathBuf,
     stamp: Stamp,
+    /// The files that hold the entries of a virtual dataset.
+    sources: Sources,
     shape: (usize, usize),
     dimensions: usize,
-    entry: TypeDescriptor,
+    /// Whether the rows of the matrix are the columns of the dataset.
+    transposed: bool,
+    entry: Entry,
+    packing: Packing,
+    /// Rows that are packed together.
+    chunk_rows: usize,
+    notes: Vec<String>,
     /// Closed after the dataset: fields are dropped in order.
     _file: File,
 }
@@ -45,28 +51,28 @@ impl DatasetRows {
     /// Opens the dataset of this name, or the only one of two dimensions.
     pub(super) fn open(path: &Path, name: Option<&str>) -> Result<Self> {
         seekable(path)?;
-        let file = File::with_options()
-            .with_fapl(|access| access.chunk_cache(CACHE.1, CACHE.0, 1.0))
-            .open(path)
-            .map_err(|e| match e.contains_minor(MinorErrorCode::NotHdf5) {
-                true => error(path, None, "not an HDF5 file"),
-                false => fail(path, &e),
-            })?;
+        let (file, unlocked) = access::open(path)?;
         let name = match name {
             Some(name) => name.to_owned(),
-            None => only(path, &file)?,
+            None => listing::only(path, &file)?,
         };
         let dataset = match file.dataset(&name) {
             Ok(dataset) => dataset,
             Err(_) if file.loc_type_by_name(&name).ok() != Some(LocationType::Dataset) => {
-                let what = format!("no dataset {name}; {}", listing(path, &file)?);
-                return Err(error(path, None, what));
+                return Err(listing::missing(path, &file, &name));
             }
             Err(e) => return Err(error(path, None, format!("dataset {name}: HDF5 says: {e}"))),
         };
         let refuse = |why: String| error(path, None, format!("dataset {name} {why}"));
+        if dataset.attr("MATLAB_empty").is_ok() {
+            return Err(refuse("is an empty matrix of MATLAB".into()));
+        }
+        let dimensions = dataset.ndim();
+        // MATLAB stores columns one after another, and writes the extents in this order.
+        let transposed = dimensions == 2 && dataset.attr("MATLAB_class").is_ok();
         let shape = match dataset.shape()[..] {
             [rows] => (rows, 1),
+            [columns, rows] if transposed => (rows, columns),
             [rows, columns] => (rows, columns),
             ref other => {
                 return Err(refuse(format!(
@@ -75,40 +81,36 @@ impl DatasetRows {
                 )));
             }
         };
-        let (rows, columns) = shape;
-        padded_bytes(&[rows, columns], size_of::<f64>())
+        padded_bytes(&[shape.0, shape.1], size_of::<f64>())
             .map_err(|what| refuse(format!("has a {what}")))?;
-        let kind = dataset.dtype().map_err(|e| refuse(format!("has no type: HDF5 says: {e}")))?;
-        let entry = match kind.to_descriptor() {
-            Ok(
-                entry @ (TypeDescriptor::Float(_)
-                | TypeDescriptor::Integer(_)
-                | TypeDescriptor::Unsigned(_)),
-            ) => entry,
-            Ok(other) => {
-                return Err(refuse(format!("has entries of type {other}, not real numbers")));
-            }
-            Err(e) => return Err(refuse(format!("has entries of a type that is not read: {e}"))),
-        };
-        let creation = dataset.dcpl().map_err(|e| fail(path, &e))?;
-        let inside =
-            matches!(creation.layout(), Layout::Compact | Layout::Contiguous | Layout::Chunked);
-        if !inside || !creation.external().is_empty() {
-            return Err(refuse("has its entries in other files".into()));
-        }
-        if let Some(filter) = dataset.filters().iter().find(|filter| !filter.is_available()) {
-            return Err(refuse(format!("is packed by {filter:?}, which this HDF5 library lacks")));
-        }
+        let entry = Entry::of(&dataset).map_err(refuse)?;
+        let packing = Packing::of(&dataset, entry.signed_bits).map_err(refuse)?;
         let holder = PathBuf::from(dataset.filename());
         let metadata = fs::metadata(&holder).map_err(|e| error_at(&holder, None, e))?;
+        let sources = layout::sources(&dataset, &holder).map_err(refuse)?;
+        layout::check_filters(&dataset).map_err(refuse)?;
+        let own_name = dataset.name();
+        let bytes = dataset.dtype().map_or(size_of::<f64>(), |kind| kind.size());
+        let chunks = Chunks::of(&dataset, shape, bytes, transposed);
+        // The settings of chunks are those of the first one of several handles.
+        drop(dataset);
+        let dataset = chunks.open(&file, &name).map_err(|e| access::fail(path, &e))?;
+        let mut notes: Vec<String> = unlocked.into_iter().collect();
+        let of_dataset = packing.notes().into_iter().chain(entry.note.clone()).chain(chunks.note);
+        notes.extend(of_dataset.map(|note| format!("dataset {name}: {note}")));
         Ok(Self {
             path: path.into(),
-            name: dataset.name(),
+            name: own_name,
             holder,
             stamp: Stamp::of(&metadata),
+            sources,
             shape,
-            dimensions: dataset.ndim(),
+            dimensions,
+            transposed,
             entry,
+            packing,
+            chunk_rows: chunks.rows,
+            notes,
             dataset,
             _file: file,
         })
@@ -119,7 +121,17 @@ impl DatasetRows {
     }
 
     pub(super) fn is_single(&self) -> bool {
-        self.entry == TypeDescriptor::Float(FloatSize::U4)
+        self.entry.is_single && !self.packing.has_scale()
+    }
+
+    /// Returns the number of rows that are packed together.
+    pub(super) fn chunk_rows(&self) -> usize {
+        self.chunk_rows
+    }
+
+    /// Returns what a user of the rows may not expect, one sentence each.
+    pub(super) fn notes(&self) -> &[String] {
+        &self.notes
     }
 
     pub(super) fn path(&self) -> &Path {
@@ -127,7 +139,15 @@ impl DatasetRows {
     }
 
     pub(super) fn origin(&self) -> String {
-        format!("{}:{}, {}", canonical(&self.holder).display(), self.name, self.entry)
+        let (holder, kind) = (canonical(&self.holder), &self.entry.text);
+        let mut text = format!("{}:{}, {kind}", holder.display(), self.name);
+        if !self.packing.is_none() {
+            text += &format!(", {}", self.packing);
+        }
+        for (path, stamp) in &self.sources {
+            text += &format!(", with {} ({stamp})", canonical(path).display());
+        }
+        text
     }
 
     pub(super) fn stamp(&self) -> Stamp {
@@ -141,15 +161,19 @@ impl DatasetRows {
         columns: Range<usize>,
         out: MatMut<'_, T>,
     ) -> Result<()> {
+        let as_stored = self.packing.is_none() && !self.transposed;
         let done = match (self.is_single(), T::NAME == f32::NAME) {
-            (true, true) => self.read_same::<T, f32>(rows, columns, out),
-            (false, false) => self.read_same::<T, f64>(rows, columns, out),
-            (true, false) => self.read_pieces::<T, f32>(rows, columns, out),
-            (false, true) => self.read_pieces::<T, f64>(rows, columns, out),
+            (true, true) if as_stored => self.read_same::<T, f32>(rows, columns, out),
+            (false, false) if as_stored => self.read_same::<T, f64>(rows, columns, out),
+            (true, _) => self.read_pieces::<T, f32>(rows, columns, out),
+            (false, _) => self.read_pieces::<T, f64>(rows, columns, out),
         };
         // This check comes first, because HDF5 reads missing bytes at the end of a file as zeros,
         // or fails with another message.
         self.stamp.check(&self.holder, fs::metadata(&self.holder))?;
+        for (path, stamp) in &self.sources {
+            stamp.check(path, fs::metadata(path))?;
+        }
         done
     }
 
@@ -173,13 +197,19 @@ impl DatasetRows {
         self.read_pieces::<T, S>(rows, columns, out)
     }
 
-    /// Reads a block through a buffer of the precision S.
+    /// Reads a block through a buffer of the precision S, and gives each entry its meaning.
     fn read_pieces<T: Real, S: Real + H5Type>(
         &self,
         rows: Range<usize>,
         columns: Range<usize>,
-        mut out: MatMut<'_, T>,
+        out: MatMut<'_, T>,
     ) -> Result<()> {
+        // From here on, rows are those of the dataset.
+        let (rows, columns, mut out) = match self.transposed {
+            true => (columns, rows, out.transpose_mut()),
+            false => (rows, columns, out),
+        };
+        let as_stored = self.packing.is_none();
         let at_once = BUFFER / size_of::<S>();
         let width = at_once.min(columns.len());
         let height = (at_once / width).min(rows.len());
@@ -199,7 +229,9 @@ impl DatasetRows {
                 let mut out = out.rb_mut().submatrix_mut(i, j, height, width);
                 for (i, row) in values.chunks_exact(width).take(height).enumerate() {
                     for (j, &value) in row.iter().enumerate() {
-                        out[(i, j)] = T::from_f64(value.to_f64());
+                        let value = value.to_f64();
+                        let meant = if as_stored { value } else { self.packing.value(value) };
+                        out[(i, j)] = T::from_f64(meant);
                     }
                 }
             }
@@ -252,81 +284,4 @@ impl DatasetRows {
             error(&self.path, None, format!("dataset {}: HDF5 says: {e}", self.name))
         })
     }
-}
-
-fn fail(path: &Path, e: &::hdf5::Error) -> Error {
-    error(path, None, format!("HDF5 says: {e}"))
-}
-
-/// Returns the name of the only dataset of two dimensions.
-fn only(path: &Path, file: &File) -> Result<String> {
-    let names = datasets(file).map_err(|e| fail(path, &e))?;
-    let mut matrices = names.iter().filter(|name| file.dataset(name).is_ok_and(|d| d.ndim() == 2));
-    match (matrices.next(), matrices.next()) {
-        (Some(name), None) => Ok(name.clone()),
-        (first, _) => {
-            let count = if first.is_some() { "several datasets" } else { "no dataset" };
-            let what = format!(
-                "{count} of two dimensions, so name one ({}:/path/to/dataset); {}",
-                path.file_name().unwrap_or_default().display(),
-                listing(path, file)?
-            );
-            Err(error(path, None, what))
-        }
-    }
-}
-
-/// Returns the part of a message that lists the datasets of the file.
-fn listing(path: &Path, file: &File) -> Result<String> {
-    let names = datasets(file).map_err(|e| fail(path, &e))?;
-    let described: Vec<String> = names
-        .iter()
-        .take(LISTED)
-        .map(|name| {
-            let shape = file.dataset(name).map(|dataset| {
-                dataset.shape().iter().map(usize::to_string).collect::<Vec<_>>().join(" x ")
-            });
-            format!("{name} ({})", shape.unwrap_or_else(|_| "unreadable".into()))
-        })
-        .collect();
-    Ok(match names.len() {
-        0 => "the file has no datasets".into(),
-        count if count > LISTED => {
-            format!("the file has {}, and {} more", described.join(", "), count - LISTED)
-        }
-        _ => format!("the file has {}", described.join(", ")),
-    })
-}
-
-/// Returns the names of all datasets that the file itself holds, sorted.
-fn datasets(file: &File) -> ::hdf5::Result<Vec<String>> {
-    let mut found = Vec::new();
-    // Visited groups: groups may have several names, and may contain themselves.
-    let mut seen = vec![file.loc_info_by_name("/")?.token];
-    let mut waiting = vec![String::new()];
-    while let Some(group) = waiting.pop() {
-        let folder: Group = file.group(if group.is_empty() { "/" } else { &group })?;
-        let mut names = Vec::new();
-        folder.iter_visit_default(|name, link| {
-            // Other links lead to objects that have a name already, out of the file, or nowhere.
-            if link.link_type == LinkType::Hard {
-                names.push(format!("{group}/{name}"));
-            }
-            Ok(())
-        })?;
-        for name in names {
-            let about = file.loc_info_by_name(&name)?;
-            match about.loc_type {
-                LocationType::Dataset => found.push(name),
-                LocationType::Group if about.num_links < 2 => waiting.push(name),
-                LocationType::Group if !seen.contains(&about.token) => {
-                    seen.push(about.token);
-                    waiting.push(name);
-                }
-                _ => {}
-            }
-        }
-    }
-    found.sort_unstable();
-    Ok(found)
 }

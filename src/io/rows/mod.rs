@@ -14,12 +14,14 @@ use faer::MatMut;
 
 #[cfg(feature = "hdf5")]
 use self::dataset::DatasetRows;
+#[cfg(feature = "hdf5")]
+pub(super) use self::dataset::open as open_hdf5;
 pub(super) use self::file::{CHANGED, Stamp, canonical, seekable};
 use self::npy::NpyRows;
 use super::columns::checked_columns;
-use super::names::RowsFormat;
 #[cfg(not(feature = "hdf5"))]
 use super::names::without_hdf5;
+use super::names::{RowsFormat, foreign};
 use super::npy::is_complex;
 use super::source::error;
 use crate::base::{Error, Real, Result};
@@ -31,11 +33,17 @@ use crate::rows::RowBlocks;
 /// - `NAME.npy`: two dimensions, or one (a column); f4, f8 and integers. In C order a block of
 ///   whole rows is one piece of the file. In Fortran order it is one piece for every column, which
 ///   is much slower when blocks are small.
-/// - `NAME.h5:/path/to/dataset`, also `.hdf5` and `.he5` (feature `hdf5`): a dataset of two
-///   dimensions, or one (a column), of floats of 4 or 8 bytes or integers of 1 to 8. A packed chunk
-///   is unpacked once, however many blocks it spans, if a row of chunks takes at most 32 MiB.
-///   Datasets whose entries lie in other files (virtual, external) are refused: their changes would
-///   go unnoticed. `NAME.h5` alone means its only dataset of two dimensions.
+/// - `NAME.h5:/path/to/dataset`, also `.hdf5`, `.he5` and any other name (such as `.nc` and
+///   `.mat`) of a file whose content is HDF5 (feature `hdf5`): a dataset of two dimensions, or one
+///   (a column), of floats, of integers of 1 to 8 bytes, of booleans or of an enumeration, also
+///   virtual. `NAME.h5` alone means its only dataset of two dimensions.
+///   - Entries mean what the attributes of netCDF say: `scale_factor`, `add_offset` and `_Unsigned`
+///     are applied, and entries equal to `_FillValue` or `missing_value` are NaN.
+///   - A matrix of MATLAB (version 7.3), which is stored by columns, has the shape that MATLAB
+///     shows.
+///   - A packed chunk is unpacked once, however many blocks it spans, if a row of chunks takes at
+///     most a sixteenth of the available memory.
+///   - A file that can't be locked is read without a lock. [`RowFile::notes`] tells.
 ///
 /// Rows go straight from the file into a destination of the precision of the file whose rows are
 /// contiguous; other destinations, and columns left out, go through a buffer of a few MiB. Entries
@@ -86,9 +94,10 @@ impl RowFile {
         Ok(Self { name: name.into(), content, columns })
     }
 
-    /// Returns whether a file of this name is read by rows: the name is that of an HDF5 file, with
-    /// a dataset or without, or of a `.npy` file that is no folder, pipe or device. Complex numbers
-    /// are not read by rows.
+    /// Returns whether a file of this name is read by rows: the name or the content is that of an
+    /// HDF5 file, with a dataset or without, the content is that of an older format (HDF4, netCDF,
+    /// MATLAB) about which [`RowFile::open`] says what converts it, or the name is that of a `.npy`
+    /// file that is no folder, pipe or device. Complex numbers are not read by rows.
     ///
     /// ```
     /// use catamaran::io::RowFile;
@@ -99,7 +108,8 @@ impl RowFile {
         match RowsFormat::of(name) {
             Ok(RowsFormat::Npy) => name.is_file() && !is_complex(name),
             Ok(RowsFormat::Hdf5 { .. }) => true,
-            Err(_) => false,
+            // Opening says what converts it.
+            Err(_) => foreign(name).is_some(),
         }
     }
 
@@ -150,6 +160,26 @@ impl RowFile {
     /// rounds integers beyond 2^53.
     pub fn is_single(&self) -> bool {
         self.content.is_single()
+    }
+
+    /// Returns how many rows are packed together, 1 where rows are not packed. Ranks that each read
+    /// a part of the rows begin it at a multiple of this number, so that no two unpack the same.
+    pub fn chunk_rows(&self) -> usize {
+        match &self.content {
+            Content::Npy(_) => 1,
+            #[cfg(feature = "hdf5")]
+            Content::Hdf5(dataset) => dataset.chunk_rows(),
+        }
+    }
+
+    /// Returns what a user may not expect of these rows, such as attributes that change the meaning
+    /// of entries; empty for most files.
+    pub fn notes(&self) -> &[String] {
+        match &self.content {
+            Content::Npy(_) => &[],
+            #[cfg(feature = "hdf5")]
+            Content::Hdf5(dataset) => dataset.notes(),
+        }
     }
 
     /// Returns the path of the file; for HDF5 without the name of the dataset.

@@ -25,27 +25,11 @@ use crate::io::rows::{CHANGED, Stamp, canonical, seekable};
 use crate::io::source::{error, error_at};
 use crate::rows::RowBlocks;
 
-/// A text table whose rows are read block by block, so that it may be larger than memory. Opening
-/// it counts the rows, and finds the levels of factors and the rows with missing cells that are
-/// left out. It can be sent to a thread that reads.
+/// A text table whose rows are read block by block. Opening it counts the rows, and finds the
+/// levels of factors and the rows with missing cells that are left out.
 ///
 /// Rows that follow one another are read once; a step back reads again from the megabyte before it.
-///
-/// ```
-/// use catamaran::faer::{Mat, mat};
-/// use catamaran::io::{ReadOptions, TableFile};
-/// use catamaran::rows::RowBlocks;
-///
-/// # let folder = tempfile::tempdir().unwrap();
-/// # let path = &folder.path().join("a.csv");
-/// std::fs::write(path, "x,y\n1,2\n3,4\n5,6\n").unwrap();
-/// let mut rows = TableFile::open(path, &ReadOptions::new())?.unwrap();
-/// let mut block = Mat::<f64>::zeros(2, 2);
-/// rows.read(1, block.as_mut())?;
-/// assert_eq!(block, mat![[3.0, 4.0], [5.0, 6.0]]);
-/// # Ok::<(), catamaran::Error>(())
-/// ```
-pub struct TableFile {
+pub struct TextFile {
     path: PathBuf,
     options: TableOptions,
     columns: Columns,
@@ -74,13 +58,13 @@ struct Mark {
     lines: usize,
 }
 
-impl fmt::Debug for TableFile {
+impl fmt::Debug for TextFile {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("TableFile").field("path", &self.path).finish_non_exhaustive()
+        f.debug_struct("TextFile").field("path", &self.path).finish_non_exhaustive()
     }
 }
 
-impl TableFile {
+impl TextFile {
     /// Opens a table, and reads it once; `None` for other formats and for text that is packed, must
     /// be decoded or has no place in a plain file, which [`read_file`](crate::io::read_file) reads.
     ///
@@ -242,7 +226,7 @@ impl TableFile {
     }
 }
 
-impl<T: Real> RowBlocks<T> for TableFile {
+impl<T: Real> RowBlocks<T> for TextFile {
     fn nrows(&self) -> usize {
         self.nrows
     }

@@ -13,6 +13,7 @@ use super::splitter::{Between, Syntax};
 use super::syntax::{announced, find, line_end, width};
 use crate::base::Result;
 use crate::io::columns::Columns;
+use crate::io::names::FileFormat;
 use crate::io::source::error;
 
 /// The least records that are looked at, if there are more.
@@ -308,6 +309,7 @@ impl Found<'_> {
             uses[ncells] = Use::Empty;
         }
         let mut reading = TableReading {
+            format: FileFormat::Table,
             separator: None,
             decimal: '.',
             thousands: None,

@@ -11,7 +11,7 @@ const EXCERPT: usize = 30;
 
 /// Returns an option for a message. The command line writes its own names of options in the place
 /// of these.
-pub(super) fn option(name: &str) -> String {
+pub(in crate::io) fn option(name: &str) -> String {
     format!("option `{name}`")
 }
 

@@ -33,8 +33,12 @@ mod text;
 mod whole;
 mod write;
 
-pub use self::file::TableFile;
+pub(super) use self::file::TextFile;
+#[cfg(feature = "columnar")]
+pub(super) use self::message::option;
 pub use self::options::{Missing, Separator, TableOptions, Words};
+#[cfg(feature = "columnar")]
+pub(super) use self::piece::{Levels, texts};
 pub use self::reading::{ColumnKind, TableColumn, TableReading};
 pub(super) use self::whole::read;
 pub(super) use self::write::write;

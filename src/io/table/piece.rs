@@ -19,7 +19,7 @@ pub(super) struct Fault {
 
 /// The words of a factor, in the order of their numbers.
 #[derive(Debug, Default)]
-pub(super) struct Levels {
+pub(in crate::io) struct Levels {
     numbers: HashMap<Vec<u8>, u32>,
     pub words: Vec<Vec<u8>>,
 }
@@ -247,6 +247,6 @@ fn column(layout: &Layout, j: usize) -> String {
 }
 
 /// Returns the words of factors as text.
-pub(super) fn texts(words: &[Vec<u8>]) -> Vec<String> {
+pub(in crate::io) fn texts(words: &[Vec<u8>]) -> Vec<String> {
     words.iter().map(|word| encoding::text(word).into_owned()).collect()
 }

@@ -6,6 +6,7 @@ use super::number::Notation;
 use super::options::Separator;
 use super::splitter::Between;
 use crate::io::columns::listed;
+use crate::io::names::FileFormat;
 
 /// A column of a table that was read.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -49,6 +50,9 @@ pub enum ColumnKind {
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct TableReading {
+    /// The format: text, or one in which columns have names and types, so that what is said here of
+    /// text holds no decision.
+    pub format: FileFormat,
     /// What separates fields; `None` for a table of one column.
     pub separator: Option<Separator>,
     /// The decimal separator.
@@ -128,7 +132,41 @@ pub(super) fn called(c: char) -> String {
 
 impl fmt::Display for TableReading {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut parts: Vec<String> = Vec::new();
+        let mut parts = Vec::new();
+        if self.format == FileFormat::Table {
+            self.describe_text(&mut parts);
+        }
+        if self.index {
+            parts.push("index column left out".into());
+        }
+        if self.trailing_separator {
+            parts.push("separator at the end of rows ignored".into());
+        }
+        let factors: Vec<String> = self.columns.iter().filter_map(factor).collect();
+        if !factors.is_empty() {
+            parts.push(format!("factor {}", factors.join(", ")));
+        }
+        let kind = if self.format == FileFormat::Table { "text" } else { "other" };
+        match self.left_out.len() {
+            0 => {}
+            1 => parts.push(format!("1 {kind} column left out ({})", self.left_out[0])),
+            count => {
+                let names = listed(&self.left_out);
+                parts.push(format!("{count} {kind} columns left out ({names})"));
+            }
+        }
+        match self.dropped_rows {
+            0 => {}
+            1 => parts.push("1 row with a missing cell left out".into()),
+            rows => parts.push(format!("{rows} rows with missing cells left out")),
+        }
+        f.write_str(&parts.join(", "))
+    }
+}
+
+impl TableReading {
+    /// Says how text is read, up to the header.
+    fn describe_text(&self, parts: &mut Vec<String>) {
         match self.separator {
             None => {}
             Some(Separator::Blanks) => parts.push("separated by blanks".into()),
@@ -148,30 +186,6 @@ impl fmt::Display for TableReading {
             lines => parts.push(format!("{lines} lines skipped")),
         }
         parts.push(if self.header { "header" } else { "no header" }.into());
-        if self.index {
-            parts.push("index column left out".into());
-        }
-        if self.trailing_separator {
-            parts.push("separator at the end of rows ignored".into());
-        }
-        let factors: Vec<String> = self.columns.iter().filter_map(factor).collect();
-        if !factors.is_empty() {
-            parts.push(format!("factor {}", factors.join(", ")));
-        }
-        match self.left_out.len() {
-            0 => {}
-            1 => parts.push(format!("1 text column left out ({})", self.left_out[0])),
-            count => {
-                let names = listed(&self.left_out);
-                parts.push(format!("{count} text columns left out ({names})"));
-            }
-        }
-        match self.dropped_rows {
-            0 => {}
-            1 => parts.push("1 row with a missing cell left out".into()),
-            rows => parts.push(format!("{rows} rows with missing cells left out")),
-        }
-        f.write_str(&parts.join(", "))
     }
 }
 

@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::base::{Error, Par};
 use crate::io::tests::{Folder, doubles, npy};
-use crate::io::{Columns, FileContent, FileFormat, Matrix, ReadOptions, read_file};
+use crate::io::{Columns, FileContent, FileFormat, Matrix, ReadOptions, TableFile, read_file};
 use crate::rows::RowBlocks;
 
 fn options(table: TableOptions) -> ReadOptions<'static> {

@@ -1,0 +1,199 @@
+//! Files of Arrow's IPC format, which Feather calls version 2. Their metadata is small, and read
+//! here: crate arrow-ipc would take three minutes of a processor to compile.
+//! Source: "Arrow columnar format", version 1.5, section "IPC file format".
+
+mod batch;
+mod flat;
+mod schema;
+mod values;
+
+use std::collections::HashMap;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use self::batch::{Batch, Block, read_at};
+use self::flat::Table;
+use self::schema::{Column, Entry, Extent};
+use self::values::{Numbers, Values};
+use super::store::{ColumnReader, Fault, Field, Store};
+use super::words::Words;
+use crate::base::Error;
+use crate::io::source::{error, error_at};
+
+/// How a file begins and ends.
+const MAGIC: &[u8; 6] = b"ARROW1";
+
+/// How files of version 1 of Feather begin.
+const FEATHER1: &[u8; 4] = b"FEA1";
+
+/// Kinds of messages.
+const DICTIONARY: u8 = 2;
+const RECORDS: u8 = 3;
+
+/// The words of a dictionary; `None` for one that is missing.
+type Dictionary = Vec<Option<Vec<u8>>>;
+
+/// An open Arrow file.
+pub struct ArrowStore {
+    path: PathBuf,
+    columns: Vec<Column>,
+    fields: Vec<Field>,
+    batches: Vec<Batch>,
+    groups: Vec<usize>,
+    /// The parts of each dictionary, in order.
+    parts: HashMap<i64, Vec<Batch>>,
+    /// The dictionaries that were read.
+    dictionaries: Mutex<HashMap<i64, Arc<Dictionary>>>,
+    /// Bytes that a buffer may take.
+    limit: u64,
+}
+
+impl ArrowStore {
+    /// Reads the footer and the metadata of a file of `len` bytes.
+    pub fn open(path: &Path, len: u64, limit: u64) -> Result<Self, Error> {
+        let mut file = File::open(path).map_err(|e| error_at(path, None, e))?;
+        Self::read(path, &mut file, len, limit)
+            .map_err(|what| error(path, None, format!("broken Arrow file: {what}")))
+    }
+
+    fn read(path: &Path, file: &mut File, len: u64, limit: u64) -> Result<Self, Fault> {
+        const ENDS: u64 = 8 + 4 + MAGIC.len() as u64;
+        let mut head = [0; 6];
+        if len < ENDS {
+            return Err("it is too short".into());
+        }
+        read_at(file, 0, &mut head)?;
+        if head.starts_with(FEATHER1) {
+            return Err("version 1 of Feather, which is not read; version 2 is".into());
+        }
+        if head != *MAGIC {
+            return Err("it does not begin with ARROW1, as a file does; is it a stream?".into());
+        }
+        let mut tail = [0; 10];
+        read_at(file, len - 10, &mut tail)?;
+        let (size, magic) = tail.split_first_chunk::<4>().ok_or("it is too short")?;
+        let size = u64::from(u32::from_le_bytes(*size));
+        if magic != MAGIC || size > len - ENDS {
+            return Err("it is truncated: its end is missing".into());
+        }
+        let mut footer = vec![0; size as usize];
+        read_at(file, len - 10 - size, &mut footer)?;
+        let footer = Table::root(&footer)?;
+        let schema = footer.table(1)?.ok_or("no schema")?;
+        let columns = schema::columns(schema)?;
+        let (mut batches, mut groups, mut all) = (Vec::new(), Vec::new(), 0_usize);
+        for block in footer.vector::<24>(3)? {
+            let block = Block::of(block, len)?;
+            let metadata = block.metadata(file)?;
+            let message = Table::root(&metadata)?;
+            if message.u8(1)? != RECORDS {
+                return Err("a message that is no record batch".into());
+            }
+            let batch = Batch::of(message.table(2)?.ok_or("an empty message")?, block)?;
+            all = all.checked_add(batch.rows).ok_or("more rows than can be counted")?;
+            groups.push(batch.rows);
+            batches.push(batch);
+        }
+        let mut parts: HashMap<i64, Vec<Batch>> = HashMap::new();
+        for block in footer.vector::<24>(2)? {
+            let block = Block::of(block, len)?;
+            let metadata = block.metadata(file)?;
+            let message = Table::root(&metadata)?;
+            if message.u8(1)? != DICTIONARY {
+                return Err("a message that is no dictionary".into());
+            }
+            let dictionary = message.table(2)?.ok_or("an empty message")?;
+            let batch = Batch::of(dictionary.table(1)?.ok_or("an empty dictionary")?, block)?;
+            let known = parts.entry(dictionary.i64(0)?).or_default();
+            // What is no addition replaces.
+            if dictionary.u8(2)? == 0 {
+                known.clear();
+            }
+            known.push(batch);
+        }
+        Ok(Self {
+            path: path.into(),
+            fields: columns.iter().map(|column| column.field.clone()).collect(),
+            columns,
+            batches,
+            groups,
+            parts,
+            dictionaries: Mutex::default(),
+            limit,
+        })
+    }
+
+    fn file(&self) -> Result<File, Fault> {
+        File::open(&self.path).map_err(|e| e.to_string())
+    }
+
+    fn before(&self, field: usize) -> impl Iterator<Item = &Extent> {
+        self.columns[..field].iter().map(|column| &column.extent)
+    }
+
+    /// Returns a dictionary of words that are stored so.
+    fn dictionary(&self, id: i64, stored: &Entry) -> Result<Arc<Dictionary>, Fault> {
+        let mut known = self.dictionaries.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(dictionary) = known.get(&id) {
+            return Ok(dictionary.clone());
+        }
+        let extent = match stored {
+            Entry::View => Extent { nodes: 1, buffers: 2, views: 1 },
+            _ => Extent { nodes: 1, buffers: 3, views: 0 },
+        };
+        let mut words = Dictionary::new();
+        for part in self.parts.get(&id).ok_or("a column without its dictionary")? {
+            let place = part.place(std::iter::empty(), &extent)?;
+            let (rows, stored) = (part.rows, stored.clone());
+            let mut values = Values::new(self.file()?, place, stored, Numbers::None, self.limit);
+            words.extend(values.words(rows)?);
+        }
+        let words = Arc::new(words);
+        known.insert(id, words.clone());
+        Ok(words)
+    }
+}
+
+impl Store for ArrowStore {
+    fn fields(&self) -> &[Field] {
+        &self.fields
+    }
+
+    fn groups(&self) -> &[usize] {
+        &self.groups
+    }
+
+    fn group_name(&self) -> &'static str {
+        "record batch"
+    }
+
+    fn may_miss(&self, group: usize, field: usize) -> bool {
+        let is_null = self.columns[field].entry == Some(Entry::Null);
+        // A missing word may also be one of a dictionary.
+        let is_coded = matches!(self.columns[field].entry, Some(Entry::Coded(..)));
+        is_null || is_coded || self.batches[group].nulls(self.before(field)) != Some(0)
+    }
+
+    fn column(
+        &self,
+        group: usize,
+        field: usize,
+        words: Option<&Arc<Words>>,
+    ) -> Result<Box<dyn ColumnReader>, Fault> {
+        let Column { entry, extent, dictionary, .. } = &self.columns[field];
+        let entry = entry.clone().ok_or("no numbers")?;
+        let place = self.batches[group].place(self.before(field), extent)?;
+        let numbers = match (words, &entry, dictionary) {
+            (Some(words), Entry::Coded(_, id), Some(stored)) => {
+                let dictionary = self.dictionary(*id, stored)?;
+                let mut numbering = words.numbering();
+                let number = |word: &Option<Vec<u8>>| Some(numbering.number(word.as_ref()?));
+                Numbers::Coded(dictionary.iter().map(number).collect())
+            }
+            (Some(words), ..) => Numbers::Of(words.clone()),
+            (None, ..) => Numbers::None,
+        };
+        Ok(Box::new(Values::new(self.file()?, place, entry, numbers, self.limit)))
+    }
+}

@@ -1,0 +1,22 @@
+//! Columnar files as rows: Parquet, and files of Arrow's IPC format (Feather, version 2).
+//!
+//! - [`store`] is what the formats have in common: columns, groups of rows, readers of columns,
+//! - [`parquet`] reads the pages of crate parquet, [`arrow`] the buffers of record batches,
+//! - [`codec`] unpacks both, [`decimal`] and [`words`] turn entries into numbers,
+//! - [`plan`] decides which columns are read, [`group`] decodes rows, [`file`](self::file) is the
+//!   matrix.
+//!
+//! Rows are decoded some thousands at a time. So memory is bounded by pages (Parquet) and packed
+//! buffers (Arrow), not by groups of rows.
+
+mod arrow;
+mod codec;
+mod decimal;
+mod file;
+mod group;
+mod parquet;
+mod plan;
+mod store;
+mod words;
+
+pub(in crate::io) use self::file::ColumnarFile;

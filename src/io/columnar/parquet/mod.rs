@@ -1,0 +1,181 @@
+//! Parquet files, whose pages crate parquet finds and decodes.
+
+mod guard;
+mod numbers;
+mod pages;
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use parquet::basic::{ConvertedType, LogicalType, Repetition, Type as Physical};
+use parquet::file::metadata::{ColumnChunkMetaData, ParquetMetaData, ParquetMetaDataReader};
+use parquet::schema::types::ColumnDescriptor;
+
+use self::guard::guarded;
+use self::numbers::Entry;
+use self::pages::Pages;
+use super::store::{ColumnReader, Fault, Field, Kind, Store};
+use super::words::Words;
+use crate::base::Error;
+use crate::io::source::{error, error_at};
+
+/// An open Parquet file.
+pub struct ParquetStore {
+    path: PathBuf,
+    metadata: ParquetMetaData,
+    fields: Vec<Field>,
+    /// The column of the file that a field is, and what its entries are.
+    leaves: Vec<Option<(usize, Entry)>>,
+    groups: Vec<usize>,
+    /// Bytes that a page may take.
+    limit: u64,
+}
+
+impl ParquetStore {
+    /// Reads the footer of a file of `len` bytes.
+    pub fn open(path: &Path, len: u64, limit: u64) -> Result<Self, Error> {
+        let file = File::open(path).map_err(|e| error_at(path, None, e))?;
+        let fail = |what: String| error(path, None, format!("broken Parquet file: {what}"));
+        let metadata = guarded(|| {
+            ParquetMetaDataReader::new().parse_and_finish(&file).map_err(|e| e.to_string())
+        })
+        .map_err(fail)?;
+        let schema = metadata.file_metadata().schema_descr();
+        let mut fields = Vec::new();
+        let mut leaves = Vec::new();
+        for field in schema.root_schema().get_fields() {
+            let kind = Kind::Other("nested values".into());
+            fields.push(Field { name: field.name().to_owned(), kind });
+            leaves.push(None);
+        }
+        for (leaf, column) in schema.columns().iter().enumerate() {
+            let root = schema.get_column_root_idx(leaf);
+            if !schema.get_column_root(leaf).is_primitive() || column.max_rep_level() > 0 {
+                continue;
+            }
+            match entry(column) {
+                Ok(entry) => {
+                    let is_word = matches!(entry, Entry::Word);
+                    fields[root].kind = if is_word { Kind::Words } else { Kind::Numbers };
+                    leaves[root] = Some((leaf, entry));
+                }
+                Err(what) => fields[root].kind = Kind::Other(what.into()),
+            }
+        }
+        let mut groups = Vec::with_capacity(metadata.num_row_groups());
+        let mut all = 0_usize;
+        for (number, group) in metadata.row_groups().iter().enumerate() {
+            let rows = usize::try_from(group.num_rows()).ok();
+            let sum = rows.and_then(|rows| all.checked_add(rows));
+            let (Some(rows), Some(sum)) = (rows, sum) else {
+                return Err(fail(format!("row group {number} has {} rows", group.num_rows())));
+            };
+            all = sum;
+            groups.push(rows);
+            for column in group.columns() {
+                check_place(column, len).map_err(|what| {
+                    let name = column.column_path().string();
+                    fail(format!("column {name}, row group {number}: {what}"))
+                })?;
+            }
+        }
+        Ok(Self { path: path.into(), metadata, fields, leaves, groups, limit })
+    }
+}
+
+impl Store for ParquetStore {
+    fn fields(&self) -> &[Field] {
+        &self.fields
+    }
+
+    fn groups(&self) -> &[usize] {
+        &self.groups
+    }
+
+    fn group_name(&self) -> &'static str {
+        "row group"
+    }
+
+    fn may_miss(&self, group: usize, field: usize) -> bool {
+        let Some((leaf, _)) = self.leaves[field] else { return false };
+        let column = self.metadata.row_group(group).column(leaf);
+        let known = column.statistics().and_then(|statistics| statistics.null_count_opt());
+        column.column_descr().max_def_level() > 0 && known != Some(0)
+    }
+
+    fn column(
+        &self,
+        group: usize,
+        field: usize,
+        words: Option<&Arc<Words>>,
+    ) -> Result<Box<dyn ColumnReader>, Fault> {
+        let Some((leaf, entry)) = self.leaves[field] else {
+            return Err("no numbers".into());
+        };
+        let file = File::open(&self.path).map_err(|e| e.to_string())?;
+        let column = self.metadata.row_group(group).column(leaf);
+        let pages = Pages::new(file, column, self.groups[group], self.limit, words.cloned())?;
+        numbers::open(column.column_descr_ptr(), pages, entry)
+    }
+}
+
+/// Checks that a column lies inside a file of `len` bytes.
+fn check_place(column: &ColumnChunkMetaData, len: u64) -> Result<(), Fault> {
+    if column.file_path().is_some() {
+        return Err("its pages are in another file".into());
+    }
+    let start = column.dictionary_page_offset().unwrap_or(column.data_page_offset());
+    let end = start.checked_add(column.compressed_size());
+    match (u64::try_from(start), end.and_then(|end| u64::try_from(end).ok())) {
+        (Ok(start), Some(end)) if start <= end && end <= len => Ok(()),
+        _ => Err("its pages lie outside of the file".into()),
+    }
+}
+
+/// Returns what the entries of a column are, or what they are instead of numbers and words.
+fn entry(column: &ColumnDescriptor) -> Result<Entry, &'static str> {
+    use Entry::{Bool, Decimal, F16, F32, F64, I32, I64, U32, U64, Word};
+    if column.self_type().get_basic_info().repetition() == Repetition::REPEATED {
+        return Err("lists");
+    }
+    let by_size = match column.physical_type() {
+        Physical::BOOLEAN => Ok(Bool),
+        Physical::INT32 => Ok(I32),
+        Physical::INT64 => Ok(I64),
+        Physical::FLOAT => Ok(F32),
+        Physical::DOUBLE => Ok(F64),
+        Physical::INT96 => Err("times"),
+        Physical::BYTE_ARRAY | Physical::FIXED_LEN_BYTE_ARRAY => Err("bytes"),
+    };
+    let is_bytes = column.physical_type() == Physical::BYTE_ARRAY;
+    let word = if is_bytes { Ok(Word) } else { Err("values of another type") };
+    if let Some(logical) = column.logical_type_ref() {
+        return match logical {
+            LogicalType::String | LogicalType::Enum => word,
+            LogicalType::Decimal(logical) => Ok(Decimal(logical.scale)),
+            LogicalType::Integer(int) if int.is_signed => by_size,
+            LogicalType::Integer(_) => Ok(if by_size == Ok(I32) { U32 } else { U64 }),
+            LogicalType::Float16 if column.type_length() == 2 => Ok(F16),
+            LogicalType::Date => Err("dates"),
+            LogicalType::Time(_) | LogicalType::Timestamp(_) => Err("times"),
+            LogicalType::Unknown => by_size,
+            LogicalType::Uuid => Err("identifiers"),
+            _ => Err("values of another type"),
+        };
+    }
+    match column.converted_type() {
+        ConvertedType::UTF8 | ConvertedType::ENUM => word,
+        ConvertedType::DECIMAL => Ok(Decimal(column.type_scale())),
+        ConvertedType::UINT_8 | ConvertedType::UINT_16 | ConvertedType::UINT_32 => Ok(U32),
+        ConvertedType::UINT_64 => Ok(U64),
+        ConvertedType::DATE => Err("dates"),
+        ConvertedType::TIME_MILLIS
+        | ConvertedType::TIME_MICROS
+        | ConvertedType::TIMESTAMP_MILLIS
+        | ConvertedType::TIMESTAMP_MICROS
+        | ConvertedType::INTERVAL => Err("times"),
+        ConvertedType::JSON | ConvertedType::BSON => Err("values of another type"),
+        _ => by_size,
+    }
+}

@@ -1,0 +1,74 @@
+//! What columnar files have in common.
+
+use std::sync::Arc;
+
+use super::words::Words;
+
+/// What is wrong with a column; the caller adds the file, the column and the group.
+pub type Fault = String;
+
+/// A column of a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Field {
+    pub name: String,
+    pub kind: Kind,
+}
+
+/// What a column has.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Kind {
+    Numbers,
+    Words,
+    /// What no row of a matrix can have, in the words of a message: "dates".
+    Other(String),
+}
+
+/// Some rows of a column.
+#[derive(Debug, Default)]
+pub struct Cells {
+    /// Numbers, or numbers of words; NaN where a cell is missing.
+    pub values: Vec<f64>,
+    /// The places of the missing cells in `values`, ascending.
+    pub missing: Vec<u32>,
+}
+
+impl Cells {
+    pub fn clear(&mut self) {
+        self.values.clear();
+        self.missing.clear();
+    }
+
+    /// Adds a missing cell.
+    pub fn miss(&mut self) {
+        self.missing.push(self.values.len() as u32);
+        self.values.push(f64::NAN);
+    }
+}
+
+/// Reads the cells of a column, from the first row of a group on.
+pub trait ColumnReader: Send {
+    /// Adds the cells of the next `rows` rows, which the group has.
+    fn read(&mut self, rows: usize, cells: &mut Cells) -> Result<(), Fault>;
+}
+
+/// An open columnar file.
+pub trait Store: Send + Sync {
+    fn fields(&self) -> &[Field];
+
+    /// Returns the number of rows of each group.
+    fn groups(&self) -> &[usize];
+
+    /// What a group is called.
+    fn group_name(&self) -> &'static str;
+
+    /// Returns whether a column may have missing cells in a group.
+    fn may_miss(&self, group: usize, field: usize) -> bool;
+
+    /// Opens a column of numbers, or one of words with their numbers.
+    fn column(
+        &self,
+        group: usize,
+        field: usize,
+        words: Option<&Arc<Words>>,
+    ) -> Result<Box<dyn ColumnReader>, Fault>;
+}

@@ -1,0 +1,177 @@
+//! Where the entries of a dataset lie: in which files, packed by what, and in which chunks.
+
+use std::ffi::CString;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use ::hdf5::dataset::Layout;
+use ::hdf5::filters::Filter;
+use ::hdf5::plist::DatasetAccess;
+use ::hdf5::{Dataset, File};
+use ::hdf5_sys::h5d::H5Dopen2;
+
+use super::access;
+use crate::base::{available_memory, byte_size};
+use crate::io::rows::file::Stamp;
+
+/// Least bytes of unpacked chunks that are kept, and slots of the table that finds them: a prime,
+/// as the documentation of HDF5 recommends.
+const CACHE: (usize, usize) = (32 << 20, 12_421);
+
+/// The part of the available memory that unpacked chunks may take.
+const PART: u64 = 16;
+
+/// Bytes of a chunk in an advice: large enough to be packed well, small enough to be kept.
+const CHUNK: usize = 1 << 20;
+
+/// Files that hold entries of a virtual dataset, and their size and time of modification.
+pub(super) type Sources = Vec<(PathBuf, Stamp)>;
+
+/// Finds the files that hold the entries of a virtual dataset in the file `holder`; none for
+/// another dataset.
+///
+/// # Errors
+/// The end of a sentence about a dataset that can't be read: HDF5 itself would read missing parts
+/// as zeros.
+pub(super) fn sources(dataset: &Dataset, holder: &Path) -> Result<Sources, String> {
+    let creation = dataset.dcpl().map_err(|e| format!("can't be read: HDF5 says: {e}"))?;
+    if !creation.external().is_empty() {
+        return Err("has its entries in other files that are not HDF5 (external storage), which \
+                    are not read: h5repack copies them into one file"
+            .into());
+    }
+    if creation.layout() != Layout::Virtual {
+        return Ok(Vec::new());
+    }
+    let mut all = Sources::new();
+    for mapping in creation.virtual_map() {
+        let (file, name) = (&mapping.src_filename, &mapping.src_dataset);
+        if file.contains("%b") || name.contains("%b") {
+            return Err(format!(
+                "is virtual, of files named by a pattern ({file}:{name}), which is \
+                                not read: name the files when the dataset is made"
+            ));
+        }
+        if file == "." {
+            continue;
+        }
+        let beside = holder.parent().unwrap_or(Path::new("")).join(file);
+        let path = if beside.exists() { beside } else { file.into() };
+        if all.iter().any(|(other, _)| *other == path) {
+            continue;
+        }
+        let refused = |why: &str| format!("is virtual, and its part {file}:{name} {why}");
+        let about = fs::metadata(&path).map_err(|_| refused("is missing"))?;
+        let (opened, _) =
+            access::open(&path).map_err(|e| refused(&format!("can't be read: {e}")))?;
+        opened.dataset(name).map_err(|_| refused("is missing"))?;
+        all.push((path, Stamp::of(&about)));
+    }
+    Ok(all)
+}
+
+/// Checks that the library can unpack the entries.
+///
+/// # Errors
+/// The end of a sentence about a dataset that it can't unpack.
+pub(super) fn check_filters(dataset: &Dataset) -> Result<(), String> {
+    let Some(lacking) = dataset.filters().into_iter().find(|filter| !filter.is_available()) else {
+        return Ok(());
+    };
+    let (number, plugin) = match &lacking {
+        Filter::User(number, _) => (*number, known(*number)),
+        other => (other.id(), None),
+    };
+    let name = plugin.map_or_else(|| format!("{lacking:?}"), str::to_owned);
+    Err(format!(
+        "is packed by {name} (filter {number}), which this HDF5 library lacks: the environment \
+         variable HDF5_PLUGIN_PATH names the folder of its plugins, such as \
+         `python -c \"import hdf5plugin; print(hdf5plugin.PLUGIN_PATH)\"` prints, and \
+         `h5repack -f GZIP=4` packs a file for every HDF5"
+    ))
+}
+
+/// Returns the name of a filter in the registry of The HDF Group.
+fn known(number: i32) -> Option<&'static str> {
+    Some(match number {
+        307 => "bzip2",
+        32_000 => "LZF",
+        32_001 => "Blosc",
+        32_004 => "LZ4",
+        32_008 => "Bitshuffle",
+        32_013 => "ZFP",
+        32_015 => "Zstandard",
+        32_017 => "SZ",
+        32_026 => "Blosc2",
+        _ => return None,
+    })
+}
+
+/// The chunks of a dataset that are unpacked as a whole.
+#[derive(Debug, Clone)]
+pub(super) struct Chunks {
+    /// Rows of the matrix in a chunk; 1 for entries that are not packed.
+    pub rows: usize,
+    /// Bytes of a block of rows that is a chunk high.
+    band: usize,
+    /// Chunks in such a block.
+    count: usize,
+    /// An advice, if chunks are unpacked several times.
+    pub note: Option<String>,
+}
+
+impl Chunks {
+    /// Returns the chunks of a dataset whose matrix has this shape and entries of `bytes` bytes;
+    /// `transposed` if the rows of the matrix are columns of the dataset.
+    pub fn of(dataset: &Dataset, shape: (usize, usize), bytes: usize, transposed: bool) -> Self {
+        let none = Self { rows: 1, band: 0, count: 0, note: None };
+        let chunk = dataset.chunk().filter(|_| !dataset.filters().is_empty());
+        let (height, width) = match chunk.as_deref() {
+            Some(&[height]) => (height, 1),
+            Some(&[height, width]) if transposed => (width, height),
+            Some(&[height, width]) => (height, width),
+            _ => return none,
+        };
+        let count = shape.1.div_ceil(width.max(1));
+        let sides = [height, width, count, bytes];
+        let band = sides.iter().try_fold(1_usize, |all, &side| all.checked_mul(side));
+        let band = band.unwrap_or(usize::MAX);
+        let mut chunks = Self { rows: height.max(1), band, count, ..none };
+        let most = chunks.most();
+        if band > most {
+            let rows = (CHUNK / (shape.1.max(1) * bytes)).clamp(1, shape.0.max(1));
+            chunks.note = Some(format!(
+                "its chunks of {height} x {width} entries are unpacked once for each block of \
+                 rows, because a row of chunks takes {}: `h5repack -l {}:CHUNK={rows}x{}` writes \
+                 them for reading by rows",
+                byte_size(band as f64),
+                dataset.name(),
+                shape.1
+            ));
+        }
+        chunks
+    }
+
+    /// Returns the most bytes of chunks that are kept.
+    fn most(&self) -> usize {
+        usize::try_from(available_memory() / PART).unwrap_or(usize::MAX).max(CACHE.0)
+    }
+
+    /// Opens the dataset of this name such that a row of chunks is kept, where memory allows it:
+    /// each chunk is then unpacked once, however many blocks of rows it spans.
+    pub fn open(&self, file: &File, name: &str) -> ::hdf5::Result<Dataset> {
+        let bytes = if self.band <= self.most() { self.band.max(CACHE.0) } else { CACHE.0 };
+        let slots = CACHE.1.max(10 * self.count + 1);
+        let access = DatasetAccess::build().chunk_cache(slots, bytes, 1.0).finish()?;
+        let name = CString::new(name).map_err(|e| ::hdf5::Error::Internal(e.to_string()))?;
+        ::hdf5::sync::sync(|| {
+            // SAFETY: the handles and the name are alive.
+            let id = unsafe { H5Dopen2(file.id(), name.as_ptr(), access.id()) };
+            if id < 0 {
+                return Err(::hdf5::Error::query().unwrap_or_else(|e| e));
+            }
+            // SAFETY: a new identifier, which the handle then owns.
+            unsafe { ::hdf5::from_id(id) }
+        })
+    }
+}
