@@ -17,8 +17,11 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 
+/// The name of a column and its number in a row.
+type Numbers = (&'static str, fn(f64) -> f64);
+
 /// The numbers of `write.py`.
-const KINDS: [(&str, fn(f64) -> f64); 15] = [
+const KINDS: [Numbers; 15] = [
     ("f64", |i| i / 2.0 - 3.0),
     ("f32", |i| i / 4.0),
     ("f16", |i| i / 8.0),

@@ -244,7 +244,7 @@ impl<T: Real> RowBlocks<T> for RowFile {
 enum Content {
     Npy(NpyRows),
     #[cfg(feature = "hdf5")]
-    Hdf5(DatasetRows),
+    Hdf5(Box<DatasetRows>),
 }
 
 macro_rules! content {
@@ -271,7 +271,7 @@ content! {
 
 #[cfg(feature = "hdf5")]
 fn open_dataset(path: &Path, name: Option<&str>) -> Result<Content> {
-    DatasetRows::open(path, name).map(Content::Hdf5)
+    DatasetRows::open(path, name).map(|dataset| Content::Hdf5(Box::new(dataset)))
 }
 
 #[cfg(not(feature = "hdf5"))]
