@@ -13,7 +13,7 @@ use crate::parse::levels;
 use crate::tables::MatrixFile;
 
 /// The arguments whose files are written, in any command. The files of all others are inputs.
-const OUTPUTS: [&str; 19] = [
+const OUTPUTS: [&str; 18] = [
     "accumulator",
     "cells",
     "checkpoint",
@@ -21,7 +21,6 @@ const OUTPUTS: [&str; 19] = [
     "cut",
     "distances",
     "heights",
-    "out",
     "output",
     "paint",
     "picture",
