@@ -13,7 +13,7 @@ use crate::parse::levels;
 use crate::tables::MatrixFile;
 
 /// The arguments whose files are written, in any command. The files of all others are inputs.
-const OUTPUTS: [&str; 18] = [
+const OUTPUTS: [&str; 19] = [
     "accumulator",
     "cells",
     "checkpoint",
@@ -23,6 +23,7 @@ const OUTPUTS: [&str; 18] = [
     "heights",
     "output",
     "paint",
+    "path_output",
     "picture",
     "points_output",
     "prolongation",
