@@ -122,7 +122,8 @@ fn options_change_the_problem() {
     assert!((folder.read_npz("d.npz", "eigenvalues").1[0] - 12.0).abs() < 1e-12);
     let (shape, vectors) = folder.read_npz("d.npz", "eigenvectors");
     assert_eq!((shape, &vectors[..4]), (vec![5, 1], &[0.0; 4][..]));
-    for option in ["--mass full", "--laplacian intrinsic", "--laplacian tufted", "--shift 7"] {
+    let kinds = ["--laplacian intrinsic", "--laplacian tufted", "--laplacian cotangent"];
+    for option in kinds.into_iter().chain(["--mass full", "--shift 7"]) {
         let said = folder.succeed(&format!("spectrum square.obj -k 2 {option}"));
         assert!(said.contains("eigenpairs  2 in "), "{said}");
     }
