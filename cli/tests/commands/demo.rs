@@ -99,6 +99,9 @@ fn demo_writes_a_page_whose_files_exist_and_replaces_only_its_own() {
         assert!(html.contains(&format!("<code>{scheme}</code>")), "{scheme}");
     }
     assert!(!html.contains("failed"), "a scheme failed its check");
+    let left = html.split("water left after 48 hours</dt><dd>").nth(1).expect("a number");
+    let left = left.split(' ').next().unwrap_or_default();
+    assert!(left.parse::<f64>().unwrap() < 80.0, "the plant does not wilt: {left} %");
     // No other order of the work changes a byte of the exact product; one does of the classical
     // one.
     let shuffled = html.split("rows of A shuffled</td>").nth(1).expect("a row of the table");
