@@ -10,6 +10,7 @@
 #include "catamaran/ata.hpp"
 #include "catamaran/gram.hpp"
 #include "catamaran/accumulator.hpp"
+#include "catamaran/tables.hpp"
 #include "catamaran/cholesky.hpp"
 #include "catamaran/meshes.hpp"
 #include "catamaran/eigs.hpp"

@@ -9,8 +9,11 @@ use clap::{ArgMatches, Command};
 use crate::parse::levels;
 
 /// Arguments of the library whose options have other names: command, argument and option.
-const OTHERS: &[(&str, &str, &str)] =
-    &[("distance", "sources", "--from"), ("decimate", "relaxation", "--relax")];
+const OTHERS: &[(&str, &str, &str)] = &[
+    ("distance", "sources", "--from"),
+    ("distance", "targets", "--to"),
+    ("decimate", "relaxation", "--relax"),
+];
 
 /// The options of the command that runs, by the arguments of the library.
 static OPTIONS: OnceLock<BTreeMap<String, String>> = OnceLock::new();

@@ -1,17 +1,19 @@
 //! `catamaran distance`.
 
-use std::path::PathBuf;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use catamaran::faer::Mat;
-use catamaran::io::{self as files};
+use catamaran::io::{self as files, Output};
 use catamaran_geometry::mesh::{
     Components, Dijkstra, Graph, HeatMethod, HeatOptions, SearchLimits, TriMesh,
 };
 use clap::ValueEnum;
 
 use crate::common::{Force, Threads};
+use crate::curve::write::line;
 use crate::defaults::variant;
 use crate::input::MeshArgs;
 use crate::picture::{Paint, PictureArgs};
@@ -57,6 +59,13 @@ pub struct Args {
     /// and .gz after it).
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
+    /// Report the shortest path along edges from a vertex of --from to this vertex, numbered from
+    /// 0.
+    #[arg(long, value_name = "VERTEX")]
+    to: Option<u32>,
+    /// Output file of the path to --to (.obj).
+    #[arg(long, value_name = "FILE", requires = "to")]
+    path_output: Option<PathBuf>,
     #[command(flatten)]
     picture: PictureArgs,
     #[command(flatten)]
@@ -73,6 +82,7 @@ enum How {
 pub fn run(args: &Args) -> Result<()> {
     files::check_name(&args.output)?;
     let output = args.force.create(&args.output)?;
+    let path_output = args.path_output.as_deref().map(|path| obj(path, args.force)).transpose()?;
     let picture = args.picture.create(args.force)?;
     let mesh = args.repair.read(&args.mesh)?.mesh;
     let components = Components::new(&mesh);
@@ -100,6 +110,20 @@ pub fn run(args: &Args) -> Result<()> {
         seconds(time)
     )?;
 
+    if let Some(to) = args.to {
+        let (path, length) = path(args, &mesh, to).with_context(named)?;
+        report!(
+            "path",
+            path = path,
+            length = length;
+            "{length:.6e} over {} edges",
+            path.len() - 1
+        )?;
+        if let Some(output) = path_output {
+            let points: Vec<_> = path.iter().map(|&v| mesh.vertices()[v as usize]).collect();
+            write(output, &line(&points, 1, false))?;
+        }
+    }
     if let Some(picture) = picture {
         // NaN is drawn in grey.
         let shown = |&distance: &f64| if distance.is_finite() { distance } else { f64::NAN };
@@ -120,7 +144,41 @@ fn over_faces(args: &Args, mesh: &TriMesh) -> catamaran::Result<Vec<f64>> {
 fn along_edges(args: &Args, mesh: &TriMesh) -> catamaran::Result<Vec<f64>> {
     let graph = Graph::of_mesh(mesh);
     let mut search = Dijkstra::new(&graph);
-    let sources: Vec<(u32, f64)> = args.from.iter().map(|&vertex| (vertex, 0.0)).collect();
-    search.search(&sources, &SearchLimits::default())?;
+    search.search(&sources(args), &SearchLimits::default())?;
     Ok(search.distances())
+}
+
+/// Returns the vertices of the shortest path along edges, and its length.
+fn path(args: &Args, mesh: &TriMesh, to: u32) -> Result<(Vec<u32>, f64)> {
+    let graph = Graph::of_mesh(mesh);
+    let mut search = Dijkstra::new(&graph);
+    let limits = SearchLimits { targets: &[to], ..SearchLimits::default() };
+    search.search(&sources(args), &limits)?;
+    let path = search.path(to);
+    if path.is_empty() {
+        bail!("--to: no edges lead to vertex {to}");
+    }
+    Ok((path, search.distance(to)))
+}
+
+fn sources(args: &Args) -> Vec<(u32, f64)> {
+    args.from.iter().map(|&vertex| (vertex, 0.0)).collect()
+}
+
+/// Starts a file of a path.
+///
+/// # Errors
+/// The name does not end in .obj; those of [`Force::create`].
+fn obj(path: &Path, force: Force) -> Result<Output> {
+    if path.extension().is_none_or(|extension| extension != "obj") {
+        bail!("{}: the name must end in .obj", path.display());
+    }
+    force.create(path)
+}
+
+fn write(mut output: Output, text: &str) -> Result<()> {
+    let path = output.path().display().to_string();
+    output.write_all(text.as_bytes()).map_err(|e| output.error(e))?;
+    output.commit()?;
+    status!("written", path = path; "{path}")
 }

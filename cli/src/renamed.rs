@@ -7,9 +7,10 @@ use clap::Command;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
 /// A command ([`ALL`] for every command), the old name of one of its options, and the name now.
-const RENAMED: [(&str, &str, &str); 9] = [
+const RENAMED: [(&str, &str, &str); 10] = [
     (ALL, "max-memory", "input-limit"),
     ("ata", "strict", "require-finite"),
+    ("demo", "out", "output"),
     ("decimate", "weights", "prolongation"),
     ("newton", "material", "write-material"),
     ("transfer", "smooth", "smooth-functions"),

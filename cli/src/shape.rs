@@ -45,6 +45,8 @@ pub struct LaplacianArgs {
 /// Triangulations of a Laplacian.
 #[derive(Clone, Copy, ValueEnum)]
 pub enum Kind {
+    // As C and Python call it.
+    #[value(alias = "cotangent")]
     Cotan,
     Intrinsic,
     Tufted,

@@ -8,7 +8,8 @@ use catamaran::io::{Array, ArraysWriter, Output};
 use catamaran::sparse::{CsMat, EigenOptions, Eigenpairs, eigs_two_level};
 use catamaran_geometry::decimate::{DecimateOptions, decimate};
 use catamaran_geometry::mesh::{
-    Boundary, Laplacian, LaplacianOptions, MassKind, TriMesh, laplacian,
+    Boundary, CloudOptions, Laplacian, LaplacianOptions, MassKind, TriMesh, cloud_laplacian,
+    laplacian,
 };
 use clap::ValueEnum;
 
@@ -24,6 +25,9 @@ use crate::shape::LaplacianArgs;
 use crate::{output, parse};
 
 /// Compute eigenvalues and eigenfunctions of the Laplacian of a triangle mesh.
+///
+/// A file without faces is a point cloud: its Laplacian is that of triangles around each point, for
+/// any --laplacian.
 ///
 /// The output file has three arrays: `eigenvalues` (k, ascending), `eigenvectors` (vertices x k,
 /// orthonormal in the inner product of the mass matrix) and `residuals` (k), |W phi - lambda M phi|
@@ -301,7 +305,11 @@ fn assemble(args: &Args) -> Result<(TriMesh, Laplacian)> {
     let start = Instant::now();
     let file = args.laplacian.repair.read(&args.input)?;
     let options = args.laplacian_options();
-    let operator = laplacian(&file.mesh, &options).with_context(|| name.to_string())?;
+    let is_cloud = file.mesh.faces().is_empty();
+    let operator = match is_cloud {
+        true => cloud(args, &file.mesh)?,
+        false => laplacian(&file.mesh, &options).with_context(|| name.to_string())?,
+    };
     let (rows, vertices) = (operator.kept.len(), operator.vertices);
     status!(
         "mesh",
@@ -318,11 +326,24 @@ fn assemble(args: &Args) -> Result<(TriMesh, Laplacian)> {
         "{entries} entries, in {}",
         seconds(time)
     )?;
-    if args.shift.is_none() {
+    if args.shift.is_none() && !is_cloud {
         let repair = &args.laplacian.repair;
         Pieces::new(&file.mesh, &args.input, repair, &options.boundary)?.note();
     }
     Ok((file.mesh, operator))
+}
+
+/// Computes the matrices of the Laplacian of the vertices of a mesh without faces.
+///
+/// # Errors
+/// An option that needs faces.
+fn cloud(args: &Args, mesh: &TriMesh) -> Result<Laplacian> {
+    let name = args.input.display();
+    if args.via_decimation.is_some() || matches!(args.mass, Mass::Full) {
+        bail!("{name}: has no faces, which --via-decimation and --mass full need");
+    }
+    let options = CloudOptions::new().boundary(args.boundary.into()).par(args.laplacian.par());
+    cloud_laplacian(mesh.vertices(), &options).with_context(|| name.to_string())
 }
 
 /// Refuses a largest residual above --tolerance; above the default tolerance there is a note.

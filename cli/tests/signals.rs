@@ -221,7 +221,7 @@ fn simulations_end_and_slime_keeps_its_state() {
     ends_amid_its_work(run.folder, slime);
     ends_amid_its_work(Folder::new(), "wilt --grow 3000 --hours 480 --frames 300 -o out");
     ends_amid_its_work(Folder::new(), "newton --power 7 --size 8000x8000 -o a.png");
-    ends_amid_its_work(Folder::new(), "demo --out page");
+    ends_amid_its_work(Folder::new(), "demo -o page");
     ends_amid_its_work(Folder::new(), "tune --dry-run");
 }
 

@@ -2,7 +2,7 @@
 
 mod samples;
 mod surface;
-mod write;
+pub mod write;
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};

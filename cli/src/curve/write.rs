@@ -56,16 +56,20 @@ fn obj(found: &Found<'_>) -> String {
             let _ = writeln!(text, "o {name}");
         }
         for curve in &found.curves {
-            for [x, y, z] in &curve.points {
-                let _ = writeln!(text, "v {x} {y} {z}");
-            }
-            let numbers = (first..first + curve.points.len()).chain(curve.closed.then_some(first));
-            if curve.points.len() > 1 {
-                let numbers: Vec<String> = numbers.map(|i| i.to_string()).collect();
-                let _ = writeln!(text, "l {}", numbers.join(" "));
-            }
+            text += &line(&curve.points, first, curve.closed);
             first += curve.points.len();
         }
+    }
+    text
+}
+
+/// Returns points, of which the file has `first - 1` before, and the line through them.
+pub fn line(points: &[[f64; 3]], first: usize, closed: bool) -> String {
+    let mut text: String = points.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect();
+    let numbers = (first..first + points.len()).chain(closed.then_some(first));
+    if points.len() > 1 {
+        let numbers: Vec<String> = numbers.map(|i| i.to_string()).collect();
+        let _ = writeln!(text, "l {}", numbers.join(" "));
     }
     text
 }

@@ -33,8 +33,8 @@ use crate::report::status;
 #[derive(clap::Args)]
 pub struct Args {
     /// Folder for index.html and its pictures.
-    #[arg(long, value_name = "DIR", default_value = "catamaran-demo")]
-    out: PathBuf,
+    #[arg(short, long, value_name = "DIR", default_value = "catamaran-demo")]
+    output: PathBuf,
     /// Smaller inputs: about a second a station, and numbers that say less about speed.
     #[arg(long)]
     small: bool,
@@ -80,7 +80,7 @@ impl Site<'_> {
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
-    let folder = args.out.as_path();
+    let folder = args.output.as_path();
     let named = || folder.display().to_string();
     if !args.force && !may_write(folder).with_context(named)? {
         bail!(

@@ -78,7 +78,7 @@ fn block<'a>(text: &'a str, label: &str) -> Vec<&'a str> {
 #[test]
 fn demo_writes_a_page_whose_files_exist_and_replaces_only_its_own() {
     let folder = Folder::new();
-    folder.succeed("demo --small --out page");
+    folder.succeed("demo --small -o page");
     let html = fs::read_to_string(folder.path("page/index.html")).unwrap();
     let mut files = 0;
     for attribute in ["src=\"", "href=\""] {
@@ -99,6 +99,9 @@ fn demo_writes_a_page_whose_files_exist_and_replaces_only_its_own() {
         assert!(html.contains(&format!("<code>{scheme}</code>")), "{scheme}");
     }
     assert!(!html.contains("failed"), "a scheme failed its check");
+    let left = html.split("water left after 48 hours</dt><dd>").nth(1).expect("a number");
+    let left = left.split(' ').next().unwrap_or_default();
+    assert!(left.parse::<f64>().unwrap() < 80.0, "the plant does not wilt: {left} %");
     // No other order of the work changes a byte of the exact product; one does of the classical
     // one.
     let shuffled = html.split("rows of A shuffled</td>").nth(1).expect("a row of the table");
@@ -109,7 +112,7 @@ fn demo_writes_a_page_whose_files_exist_and_replaces_only_its_own() {
     assert_eq!(fs::read_dir(folder.path("page")).unwrap().count(), files + 1);
 
     fs::write(folder.path("page/index.html"), "<p>mine</p>").unwrap();
-    let message = folder.fail("demo --out page");
+    let message = folder.fail("demo -o page");
     assert!(message.contains("page: holds files that are not of a demo"), "{message}");
     assert_eq!(fs::read_to_string(folder.path("page/index.html")).unwrap(), "<p>mine</p>");
 }

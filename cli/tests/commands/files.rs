@@ -93,7 +93,7 @@ fn places_that_can_not_be_written_are_refused_before_the_work() {
         ("slime none.obj -o out --steps 3 --force", "out/frame-0003.png: is a directory"),
         ("slime none.obj -o new --coverage none/c.svg", "none/c.svg: can't be written"),
         ("curve none.obj --samples none.txt --cut file/", "file: is not a folder"),
-        ("demo --out file --force", "file: is not a folder"),
+        ("demo -o file --force", "file: is not a folder"),
         ("man -o file/man", "file: is not a folder"),
         ("unions dataset -o dir.npz --force", "dir.npz: is a directory"),
         ("unions train none.npz -o none/w.safetensors", "none/w.safetensors: can't be written"),

@@ -469,6 +469,24 @@ fn fewer_eigenfunctions_than_components_are_refused_with_the_reason() {
 }
 
 #[test]
+fn the_shortest_path_to_a_vertex_is_reported_and_written() {
+    let folder = Folder::new();
+    folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 3 0\nv 2 0.5 0\nv 9 9 9\nf 1 2 3\nf 2 4 3\n");
+    let said = folder.succeed("distance a.obj --from 2,0 --to 3 -o d.npy --path-output path.obj");
+    assert!(said.contains("path        2.118034e0 over 2 edges\n"), "{said}");
+    let path = std::fs::read_to_string(folder.path("path.obj")).unwrap();
+    assert_eq!(path, "v 0 0 0\nv 1 0 0\nv 2 0.5 0\nl 1 2 3\n");
+    for (to, why) in [
+        ("4 -o e.npy", "a.obj: --to: no edges lead to vertex 4"),
+        ("5 -o e.npy", "a.obj: --to: vertex 5 is out of range: 5 vertices"),
+        ("3 -o e.npy --path-output path.ply", "path.ply: the name must end in .obj"),
+    ] {
+        let said = folder.fail(&format!("distance a.obj --from 0 --to {to}"));
+        assert!(said.contains(why), "{said}");
+    }
+}
+
+#[test]
 fn distances_are_over_faces_or_along_edges() {
     let folder = Folder::new();
     let mesh = families::spheres(2, 3).unwrap();

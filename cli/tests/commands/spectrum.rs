@@ -40,6 +40,21 @@ fn a_sphere_has_the_multiplets_of_spherical_harmonics() {
 }
 
 #[test]
+fn a_file_without_faces_is_a_point_cloud() {
+    let folder = Folder::new();
+    let points = families::icosphere(3).unwrap().into_parts().0;
+    let lines: String = points.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect();
+    folder.write("cloud.obj", &lines);
+    folder.succeed("spectrum cloud.obj -k 4 -o s.npz");
+    let values = folder.read_npz("s.npz", "eigenvalues").1;
+    assert!(values[0].abs() < 1e-9 && values[1..].iter().all(|x| (x - 2.0).abs() < 0.1));
+    for option in ["--mass full", "--via-decimation 99"] {
+        let said = folder.fail(&format!("spectrum cloud.obj -k 4 -o t.npz {option}"));
+        assert!(said.contains("cloud.obj: has no faces, which --via-decimation"), "{said}");
+    }
+}
+
+#[test]
 fn a_decimation_gives_nearly_the_same_pairs_and_its_errors_are_told() {
     let folder = Folder::new();
     write(&folder, "torus.ply", families::torus(90, 40, 1.0, 0.4).unwrap());
@@ -107,7 +122,8 @@ fn options_change_the_problem() {
     assert!((folder.read_npz("d.npz", "eigenvalues").1[0] - 12.0).abs() < 1e-12);
     let (shape, vectors) = folder.read_npz("d.npz", "eigenvectors");
     assert_eq!((shape, &vectors[..4]), (vec![5, 1], &[0.0; 4][..]));
-    for option in ["--mass full", "--laplacian intrinsic", "--laplacian tufted", "--shift 7"] {
+    let kinds = ["--laplacian intrinsic", "--laplacian tufted", "--laplacian cotangent"];
+    for option in kinds.into_iter().chain(["--mass full", "--shift 7"]) {
         let said = folder.succeed(&format!("spectrum square.obj -k 2 {option}"));
         assert!(said.contains("eigenpairs  2 in "), "{said}");
     }

@@ -33,7 +33,7 @@ pub const LINES: &[&str] = &[
     "farthest sphere.ply -n 12 -o samples.npy --cells cells.csv --distances d.csv",
     "farthest sphere.ply -n 12 -o samples.npy --picture p.png",
     "info",
-    "demo --small --out page",
+    "demo --small -o page",
     "spectrum sphere.ply -k 6 -o s.npz",
     "tune --isa portable",
     "basis sphere.ply -k 4 -o basis.npz",

@@ -23,7 +23,8 @@ pub struct Resampled {
 /// is split in all of its faces, so that no gaps arise. A face with one split edge becomes two
 /// faces; with two, a triangle and four triangles around the barycentre of the remaining
 /// quadrilateral; with three, four triangles (thesis, algorithm 5.3 and figure 5.4; lengths are
-/// measured again in every round).
+/// measured again in every round). A quadrilateral more than four times as long as wide becomes two
+/// triangles instead.
 ///
 /// ```
 /// use catamaran_geometry::{decimate::resample, mesh::families};
@@ -43,6 +44,10 @@ pub fn resample(mesh: &TriMesh, longest: f64) -> Result<Resampled> {
 
 /// Most parts of a face that is split once.
 const PARTS: usize = 5;
+
+/// Length over width above which a quadrilateral is cut along a diagonal. Around the barycentre, a
+/// needle would become five needles in each round.
+const SLENDER: f64 = 4.0;
 
 /// Bytes of a face, of its share of the vertices and of its parent.
 const BYTES_OF_A_FACE: f64 = 28.0;
@@ -147,11 +152,21 @@ fn split_face(
         [None, None, None] => faces.push(face),
         [Some(m), None, None] => faces.extend([[a, m, c], [m, b, c]]),
         [None, Some(p), Some(q)] => {
-            // The triangle at c, and the quadrilateral a, b, p, q around its barycentre.
-            let corners = [a, b, p, q].map(|v| vertices[v as usize]);
-            let middle = add(vertices, &corners)?;
+            // The triangle at c, and the quadrilateral a, b, p, q.
             faces.push([q, p, c]);
-            faces.extend([[a, b], [b, p], [p, q], [q, a]].map(|[u, v]| [u, v, middle]));
+            let corners = [a, b, p, q].map(|v| vertices[v as usize]);
+            let side = |i: usize, k: usize| distance(corners[i], corners[k]);
+            if SLENDER * side(0, 1) < side(1, 2).min(side(3, 0)) {
+                let is_first = side(0, 2) <= side(1, 3);
+                faces.extend(if is_first {
+                    [[a, b, p], [a, p, q]]
+                } else {
+                    [[a, b, q], [b, p, q]]
+                });
+            } else {
+                let middle = add(vertices, &corners)?;
+                faces.extend([[a, b], [b, p], [p, q], [q, a]].map(|[u, v]| [u, v, middle]));
+            }
         }
         [Some(m), Some(p), Some(q)] => {
             faces.extend([[a, m, q], [m, b, p], [q, p, c], [m, p, q]]);

@@ -313,6 +313,17 @@ fn resampled_edges_are_short_and_the_surface_is_the_same() {
 }
 
 #[test]
+fn needles_are_resampled_by_few_faces() {
+    let corners = vec![[0.0; 3], [1000.0, 0.0, 0.0], [1000.0, 1.0, 0.0]];
+    let mesh = TriMesh::new(corners, vec![[0, 1, 2]]).unwrap();
+    let found = resample(&mesh, 20.0).unwrap().mesh;
+    // Three of each in six rounds; with barycentres there were 1723.
+    assert_eq!(found.faces().len(), 3_usize.pow(6));
+    assert!((found.area() - mesh.area()).abs() < 1e-9 * mesh.area());
+    assert!(longest_edge(&found) <= 20.0);
+}
+
+#[test]
 fn resampling_makes_vertices_where_there_are_none() {
     let mesh = families::grid(2, 2).unwrap();
     let without = decimate(&mesh, 50, &options().resample(false)).unwrap_err();

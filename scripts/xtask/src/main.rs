@@ -3,6 +3,7 @@
 mod absent;
 #[cfg(test)]
 mod conventions;
+mod faces;
 mod generated;
 mod header;
 mod msrv;
@@ -14,6 +15,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 const HELP: &str = "\
+cargo xtask faces             write docs/faces.md: each operation in each face
+cargo xtask faces --check     fail if it is not what would be written
 cargo xtask header            write include/catamaran.h and capi/src/absent.rs from capi/src
 cargo xtask header --check    fail if they are not what would be written
 cargo xtask notice            write NOTICE from the packages in Cargo.lock
@@ -26,6 +29,8 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let outcome = match arguments[..] {
+        ["faces"] => faces::FACES.write(&root()),
+        ["faces", "--check"] => faces::FACES.check(&root()),
         ["header"] => header::HEADER.write(&root()).and(absent::ABSENT.write(&root())),
         ["header", "--check"] => header::HEADER.check(&root()).and(absent::ABSENT.check(&root())),
         ["notice"] => notice::NOTICE.write(&root()),

@@ -15,6 +15,9 @@ pub const GLOSS: (f64, i32) = (0.10, 28);
 const RIM: f64 = 0.45;
 /// Share of the light on the inside of an open surface.
 const INSIDE: f64 = 0.55;
+/// Cosine of the angle between a face and the normal of its corner above which the corner is drawn
+/// as a sharp one (41 degrees): edges of a cube are, those of an icosahedron are not.
+const CREASE: f64 = 0.75;
 /// Half the width of an edge, in pixels, and the share of the light on it.
 const EDGE: (f64, f64) = (0.5, 0.45);
 /// Faces thinner than this many pixels have fainter edges, in proportion: otherwise the edges would
@@ -68,7 +71,11 @@ impl<'a> Shader<'a> {
         let outside = self.is_outside(face);
         let smooth = match &self.vertex_normals[..] {
             [] => flat,
-            all => mix(shares, face.map(|v| all[v])),
+            all => {
+                let sharp = CREASE * dot(flat, flat);
+                let at = |v: usize| if dot(all[v], flat) < sharp { flat } else { all[v] };
+                mix(shares, face.map(at))
+            }
         };
         let mut normal = unit(if smooth == [0.0; 3] { flat } else { smooth });
         let finish = match self.panel.paint {

@@ -67,6 +67,22 @@ fn nearer_faces_hide_farther_ones_in_any_order() {
 }
 
 #[test]
+fn faces_beside_sharp_edges_are_evenly_lit() {
+    let corner = |i: usize| [i & 1, (i >> 1) & 1, i >> 2].map(|x| x as f64);
+    let sides =
+        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let faces = sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    let cube = TriMesh::new((0..8).map(corner).collect(), faces).unwrap();
+    let mut image = render(&one(panel(&cube, Paint::Plain([200; 3])), 60)).unwrap();
+    let middle = at(&mut image, 30, 30);
+    for (x, y) in [(10, 10), (49, 12), (11, 48)] {
+        let beside = at(&mut image, x, y);
+        let is_same = (0..3).all(|k| beside[k].abs_diff(middle[k]) <= 1);
+        assert!(is_same, "{x} {y}: {beside:?} {middle:?}");
+    }
+}
+
+#[test]
 fn pictures_of_the_same_scene_have_the_same_bytes() {
     let mesh = families::icosphere(3).unwrap();
     let values: Vec<f64> = mesh.vertices().iter().map(|p| p[0] * p[1]).collect();
