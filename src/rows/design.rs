@@ -4,6 +4,7 @@
 use faer::MatMut;
 
 use super::blocks::for_each_block;
+use super::coded::Coding;
 use super::factor::Factor;
 use super::source::RowBlocks;
 use crate::base::{Error, Par, Result, block_rows, push, zeros};
@@ -55,6 +56,10 @@ impl Survey {
                 }
                 for (entries, &j) in found.entries.iter_mut().zip(factors) {
                     let entry = row[j];
+                    // Codes are their own places, once all are there.
+                    if entries.get(entry as usize) == Some(&entry) {
+                        continue;
+                    }
                     let place = entries.binary_search_by(|own: &f64| own.total_cmp(&entry));
                     let Err(place) = place else { continue };
                     if entries.len() == Self::MOST_LEVELS {
@@ -84,6 +89,23 @@ pub enum DesignColumn {
     Numbers(usize),
     /// The indicators of the levels, but the base, of the factor in this column of the table.
     Indicators(usize, Factor),
+}
+
+impl DesignColumn {
+    /// Returns the number of columns of the matrix.
+    fn width(&self) -> usize {
+        match self {
+            Self::Numbers(_) => 1,
+            Self::Indicators(_, factor) => factor.levels().len() - 1,
+        }
+    }
+
+    /// Returns whether a code stands for the columns in coded rows.
+    fn is_coded(&self) -> bool {
+        /// Fewer columns are as fast in the product as at the place of their level.
+        const LEAST: usize = 32;
+        matches!(self, Self::Indicators(..)) && self.width() >= LEAST
+    }
 }
 
 /// How the rows of a table become those of a matrix.
@@ -140,11 +162,21 @@ impl Design {
 
     /// Returns the number of columns of the matrix.
     pub fn ncols(&self) -> usize {
-        let width = |column: &DesignColumn| match column {
-            DesignColumn::Numbers(_) => 1,
-            DesignColumn::Indicators(_, factor) => factor.levels().len() - 1,
-        };
-        self.columns.iter().map(width).sum()
+        self.columns.iter().map(DesignColumn::width).sum()
+    }
+
+    /// Returns how the rows are coded, if there is a factor of many levels.
+    pub fn coding(&self) -> Option<Coding> {
+        let (mut numbers, mut factors, mut first) = (Vec::new(), Vec::new(), 0);
+        for column in &self.columns {
+            let columns = first..first + column.width();
+            first = columns.end;
+            match column.is_coded() {
+                true => factors.push(columns),
+                false => numbers.extend(columns),
+            }
+        }
+        (!factors.is_empty()).then(|| Coding::new(numbers, factors))
     }
 
     /// Returns the numbers, one for each row of the table, that belong to rows of the matrix.
@@ -214,7 +246,28 @@ impl RowBlocks<f64> for DesignRows<'_> {
         self.design.ncols()
     }
 
-    fn read(&mut self, first: usize, mut out: MatMut<'_, f64>) -> Result<()> {
+    fn read(&mut self, first: usize, out: MatMut<'_, f64>) -> Result<()> {
+        self.read_as(first, out, None)
+    }
+
+    fn coding(&self) -> Option<Coding> {
+        self.design.coding()
+    }
+
+    fn read_coded(&mut self, first: usize, out: MatMut<'_, f64>) -> Result<()> {
+        let coding = self.design.coding();
+        self.read_as(first, out, coding.as_ref().map(|coding| coding.numbers().len()))
+    }
+}
+
+impl DesignRows<'_> {
+    /// Reads rows; as codes from this column on, if there is one.
+    fn read_as(
+        &mut self,
+        first: usize,
+        mut out: MatMut<'_, f64>,
+        codes: Option<usize>,
+    ) -> Result<()> {
         /// Numbers of the table that are read at a time.
         const NUMBERS: usize = 1 << 16;
         let n = self.table.ncols();
@@ -230,7 +283,7 @@ impl RowBlocks<f64> for DesignRows<'_> {
             self.table.read(row, MatMut::from_row_major_slice_mut(block, count, n))?;
             for i in 0..count {
                 let row = &self.block[i * n..(i + 1) * n];
-                self.design.code(row, |k, x| out[(done + i, k)] = x)?;
+                self.design.code(row, codes, |k, x| out[(done + i, k)] = x)?;
             }
             done += count;
         }
@@ -240,8 +293,13 @@ impl RowBlocks<f64> for DesignRows<'_> {
 
 impl Design {
     /// Calls `set` with the number of each column of the matrix and its entry for a row of the
-    /// table.
-    fn code(&self, row: &[f64], mut set: impl FnMut(usize, f64)) -> Result<()> {
+    /// table; with those of the coded row, if the column of the first code is given.
+    fn code(
+        &self,
+        row: &[f64],
+        mut codes: Option<usize>,
+        mut set: impl FnMut(usize, f64),
+    ) -> Result<()> {
         let mut first = 0;
         for column in &self.columns {
             match column {
@@ -250,16 +308,21 @@ impl Design {
                     first += 1;
                 }
                 DesignColumn::Indicators(j, factor) => {
-                    let (entry, count) = (row[*j], factor.levels().len() - 1);
-                    let rest = if entry.is_nan() { f64::NAN } else { 0.0 };
+                    let (entry, count) = (row[*j], column.width());
+                    let unknown = || factor.refused(format!("has no level for {entry}"));
+                    let level = match entry.is_nan() {
+                        true => None,
+                        false => Some(factor.level_of(entry).ok_or_else(unknown)?),
+                    };
+                    if let Some(code) = codes.as_mut().filter(|_| column.is_coded()) {
+                        set(*code, level.map_or(f64::NAN, |level| level as f64));
+                        *code += 1;
+                        continue;
+                    }
+                    let rest = if level.is_none() { f64::NAN } else { 0.0 };
                     (first..first + count).for_each(|k| set(k, rest));
-                    if !entry.is_nan() {
-                        let level = factor.level_of(entry);
-                        let level = level
-                            .ok_or_else(|| factor.refused(format!("has no level for {entry}")))?;
-                        if level > 0 {
-                            set(first + level - 1, 1.0);
-                        }
+                    if let Some(level) = level.filter(|&level| level > 0) {
+                        set(first + level - 1, 1.0);
                     }
                     first += count;
                 }

@@ -1,6 +1,7 @@
 //! The grid of exact sums: the unit that each column is rounded to, chosen before the first row.
 
 use super::blocks::for_each_block;
+use super::coded::{CodedRows, Coding};
 use super::source::RowBlocks;
 use crate::base::{Error, Par, Real, Result, widest, zeros};
 use crate::kernel::int8::{IntegerModuli, WIDE_BITS, power_of_two, scaled};
@@ -159,6 +160,16 @@ impl<T: Real> RowBounds<T> {
         refuse: bool,
         options: &AtaOptions<'_>,
     ) -> Result<Self> {
+        if let Some(coding) = rows.coding() {
+            let rows = &mut CodedRows::new(rows, &coding);
+            return match Self::read(rows, weights, block_rows, refuse, options) {
+                Ok(bounds) => bounds.decoded(&coding),
+                Err(Error::NonFinite { what, index: (i, j) }) => {
+                    Err(Error::NonFinite { what, index: (i, coding.column(j)) })
+                }
+                Err(other) => Err(other),
+            };
+        }
         let (m, n) = (rows.nrows(), rows.ncols());
         let mut bounds = Self::none(n)?;
         bounds.rows = m as u64;
@@ -177,6 +188,20 @@ impl<T: Real> RowBounds<T> {
             options.progress.report((first + block.len() / n) as f64 / m as f64)
         })?;
         Ok(bounds)
+    }
+
+    /// Returns the bounds of all columns, from those of coded rows.
+    fn decoded(self, coding: &Coding) -> Result<Self> {
+        let none = Self::none(coding.ncols())?;
+        let mut all = Self { weight: self.weight, rows: self.rows, ..none };
+        for (own, &j) in coding.numbers().iter().enumerate() {
+            (all.lower[j], all.upper[j]) = (self.lower[own], self.upper[own]);
+            all.units[j] = self.units[own];
+        }
+        for j in coding.factors().iter().cloned().flatten() {
+            (all.lower[j], all.upper[j], all.units[j]) = (T::ZERO, T::ONE, lowest_bit(1.0));
+        }
+        Ok(all)
     }
 
     /// Extends the bounds to the finite entries of rows; returns whether all entries are finite.
@@ -440,6 +465,14 @@ impl<T: Real> Grid<T> {
     /// Returns the number of columns.
     pub fn ncols(&self) -> usize {
         self.powers.len()
+    }
+
+    /// Returns the grid of some of the columns.
+    pub fn of_columns(&self, columns: &[usize]) -> Self {
+        let some = |of: &[T]| columns.iter().filter_map(|&j| of.get(j).copied()).collect();
+        let powers = columns.iter().map(|&j| self.powers[j]).collect();
+        let (lower, upper, shift) = (some(&self.lower), some(&self.upper), some(&self.shift));
+        Self { lower, upper, shift, powers, ..*self }
     }
 
     /// Returns what is subtracted from column j.

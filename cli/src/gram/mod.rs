@@ -207,7 +207,7 @@ impl<'a> Pass<'a> {
 
     fn height(&self) -> usize {
         let height = self.args.block_rows.map(NonZeroUsize::get);
-        height.unwrap_or_else(|| block_rows::<f64>(self.table.ncols(), self.weights.is_some()))
+        height.unwrap_or_else(|| block_rows::<f64>(self.table.width(), self.weights.is_some()))
     }
 
     /// Returns what a checkpoint must have been made with. All processes call this function: files

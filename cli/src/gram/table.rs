@@ -92,6 +92,12 @@ impl Table {
         self.design.as_ref().map_or_else(|| self.all_columns(), Design::ncols)
     }
 
+    /// Returns the number of entries of a row as it is added.
+    pub fn width(&self) -> usize {
+        let coding = self.design.as_ref().and_then(Design::coding);
+        coding.map_or_else(|| self.ncols(), |coding| coding.width())
+    }
+
     /// Returns the number of columns of the files.
     fn all_columns(&self) -> usize {
         let more = match &self.with {

@@ -15,7 +15,7 @@ use catamaran::io::{
     self as files, ColumnKind, CsMat, FileContent, Matrix, ReadOptions, RowFile, SparseRows,
     TableFile, TableReading,
 };
-use catamaran::rows::{DenseRows, RowBlocks};
+use catamaran::rows::{Coding, DenseRows, RowBlocks};
 
 use super::list::RowList;
 use crate::claims::file_of;
@@ -524,6 +524,18 @@ impl<T> RowBlocks<T> for Part<'_, T> {
         list.for_each(first..first + out.nrows(), |place, range| {
             let out = out.rb_mut().subrows_mut(place, range.len());
             rows.read(range.start, out)
+        })
+    }
+
+    fn coding(&self) -> Option<Coding> {
+        self.rows.coding()
+    }
+
+    fn read_coded(&mut self, first: usize, mut out: MatMut<'_, T>) -> catamaran::Result<()> {
+        let (list, rows) = (self.list, &mut self.rows);
+        list.for_each(first..first + out.nrows(), |place, range| {
+            let out = out.rb_mut().subrows_mut(place, range.len());
+            rows.read_coded(range.start, out)
         })
     }
 }
