@@ -11,7 +11,7 @@ use super::matrix::Dense;
 use super::names::FileFormat;
 #[cfg(not(feature = "columnar"))]
 use super::names::without_columnar;
-use super::source::Packing;
+use super::packing::Packing;
 use super::table::{TableReading, TextFile};
 use crate::base::{Real, Result};
 use crate::rows::RowBlocks;

@@ -422,18 +422,18 @@ fn hdf5_is_written_and_read_under_any_name_with_weights() {
     folder.write("a.csv", "1,2\n3,5\n");
     folder.succeed("ata a.csv -o c.h5");
     folder.succeed("ata a.csv -o c.csv");
-    std::fs::copy(folder.path("c.h5"), folder.path("c.nc")).unwrap();
+    fs::copy(folder.path("c.h5"), folder.path("c.nc")).unwrap();
     folder.succeed("ata c.csv -o of-table.csv");
     for (i, name) in ["c.h5", "c.nc", "c.nc:/matrix", "c.h5:matrix"].into_iter().enumerate() {
         folder.succeed(&format!("ata {name} -o of-{i}.csv"));
-        let read = |name: &str| std::fs::read(folder.path(name)).unwrap();
+        let read = |name: &str| fs::read(folder.path(name)).unwrap();
         assert!(read("of-table.csv") == read(&format!("of-{i}.csv")), "{name}");
     }
     folder.write("row.csv", "1,2\n");
     folder.write("two.csv", "2\n");
     folder.succeed("ata two.csv -o w.h5");
     folder.succeed("ata row.csv --weights w.h5:/matrix -o weighted.csv");
-    let found = std::fs::read_to_string(folder.path("weighted.csv")).unwrap();
+    let found = fs::read_to_string(folder.path("weighted.csv")).unwrap();
     assert_eq!(found, "4.0,8.0\n8.0,16.0\n");
     let message = folder.fail("ata c.nc:/none -o d.csv");
     assert!(message.contains("no dataset /none; the file has /matrix (2 x 2)"), "{message}");

@@ -51,7 +51,7 @@ impl DatasetRows {
     /// Opens the dataset of this name, or the only one of two dimensions.
     pub(super) fn open(path: &Path, name: Option<&str>) -> Result<Self> {
         seekable(path)?;
-        let (file, unlocked) = access::open(path)?;
+        let (file, unlocked) = open(path)?;
         let name = match name {
             Some(name) => name.to_owned(),
             None => listing::only(path, &file)?,
