@@ -75,6 +75,7 @@ impl Source {
     pub fn open(name: &Path, options: &ReadOptions<'_>) -> Result<Self> {
         let (mut names, mut chosen) = (Vec::new(), Vec::new());
         let content = if options.format.is_none() && RowFile::is_one(name) {
+            options.check_array(name)?;
             let file = RowFile::open(name)?;
             chosen = named(name, options.columns.of(&[], file.ncols()))?;
             Content::File(file)
