@@ -9,6 +9,7 @@
 #include "catamaran/backend.hpp"
 #include "catamaran/ata.hpp"
 #include "catamaran/gram.hpp"
+#include "catamaran/tables.hpp"
 #include "catamaran/accumulator.hpp"
 #include "catamaran/cholesky.hpp"
 #include "catamaran/meshes.hpp"
