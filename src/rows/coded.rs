@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use faer::MatMut;
 
-use super::exact::{ExactSums, is_rounded};
+use super::exact::{ExactSums, first_beyond, is_rounded};
 use super::pass::{Pass, for_each_block_of};
 use super::source::RowBlocks;
 use crate::base::{Error, Real, Result, reserved, triangle_len, triangle_rows, widest};
@@ -155,7 +155,10 @@ impl<T: BlasReal> ExactSums<T, I256> {
         let mut own = Self::on(self.grid.of_columns(&coding.numbers), 0..n, self.centered)?;
         // Looks for rounded entries until there is one.
         own.rounded = self.rounded;
-        own.add(count, block, weights, false, pass)?;
+        own.add(count, block, weights, false, pass).map_err(|error| {
+            let beyond = (n > 0).then(|| first_beyond(block, &own.grid.lower, &own.grid.upper));
+            beyond.flatten().map_or(error, |(j, x)| self.beyond(coding.numbers[j], x))
+        })?;
 
         let factors = [false, true].map(|side| self.grid.factors(side));
         let units = factors[0].iter().map(|&factors| integer(T::ONE, factors)).collect();
@@ -508,5 +511,20 @@ mod tests {
             let expected = Error::NonFinite { what: "rows", index: (17, named) };
             assert_eq!(refused.unwrap_err(), expected);
         }
+    }
+
+    #[test]
+    fn what_is_beyond_its_bounds_is_named_by_its_column_of_the_matrix() {
+        let (mut table, design, options) = (table(), design(), AtaOptions::new());
+        let all = whole(&design, &table);
+        let bounds =
+            RowBounds::<f64>::of(&mut DenseRows(all.as_ref()), None, 64, &options).unwrap();
+        let mut sum = Accumulator::extended(&bounds, false).unwrap();
+        table[(17, 2)] = 5.0;
+        let mut part = DenseRows(table.as_ref());
+        let mut rows = CodesOnly(design.rows(&mut part).unwrap());
+        let refused = sum.add_rows(&mut rows, None, &options).unwrap_err().to_string();
+        assert!(refused.starts_with("rows: 5 in column 50 is beyond its bounds"), "{refused}");
+        assert_eq!(sum.rows(), 0);
     }
 }

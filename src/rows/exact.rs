@@ -641,7 +641,7 @@ fn weightless<T: Real>(weights: Option<&[T]>) -> u64 {
 }
 
 /// Returns the first finite entry beyond the bounds of its column: column and value.
-fn first_beyond<T: Real>(rows: &[T], lower: &[T], upper: &[T]) -> Option<(usize, f64)> {
+pub(super) fn first_beyond<T: Real>(rows: &[T], lower: &[T], upper: &[T]) -> Option<(usize, f64)> {
     let beyond = |(j, x): (usize, &T)| {
         (x.is_finite() && !(lower[j] <= *x && *x <= upper[j])).then(|| (j, x.to_f64()))
     };
