@@ -44,11 +44,6 @@ impl Coding {
         &self.numbers
     }
 
-    /// Returns the columns of each factor.
-    pub fn factors(&self) -> &[Range<usize>] {
-        &self.factors
-    }
-
     /// Returns the number of columns of the matrix.
     pub(super) fn ncols(&self) -> usize {
         self.numbers.len() + self.factors.iter().map(Range::len).sum::<usize>()
@@ -471,6 +466,9 @@ mod tests {
         let all = whole(&design, &table);
         let bounds =
             RowBounds::<f64>::of(&mut DenseRows(all.as_ref()), None, 64, &options).unwrap();
+        let of_table =
+            RowBounds::<f64>::of(&mut DenseRows(table.as_ref()), None, 64, &options).unwrap();
+        assert_eq!(design.bounds(&of_table).unwrap(), bounds);
         let new = || Accumulator::extended(&bounds, true).unwrap();
         let (mut both, mut first, mut last, mut right) = (new(), new(), new(), new());
         let change = |sum: &mut Accumulator<f64>, start: usize, count: usize, remove: bool| {

@@ -6,17 +6,20 @@ use faer::MatMut;
 use super::blocks::for_each_block;
 use super::coded::Coding;
 use super::factor::Factor;
+use super::grid::RowBounds;
 use super::source::RowBlocks;
 use crate::base::{Error, Par, Result, block_rows, push, zeros};
 
 /// What one pass over a table finds for its [`Design`].
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Survey {
     /// Rows, ascending, with a NaN in one of the columns that are used.
     pub missing: Vec<usize>,
     /// For each factor the entries of its column in the other rows, ascending, each once.
     pub entries: Vec<Vec<f64>>,
+    /// The bounds of all columns in the other rows.
+    pub bounds: RowBounds<f64>,
 }
 
 impl Survey {
@@ -42,10 +45,12 @@ impl Survey {
         par: Par,
     ) -> Result<Self> {
         let n = rows.ncols();
-        check_columns(used.iter().chain(factors), n)?;
-        let mut found = Self { missing: Vec::new(), entries: vec![Vec::new(); factors.len()] };
+        check_columns(used.iter().chain(factors).copied(), n)?;
+        let entries = vec![Vec::new(); factors.len()];
+        let mut found = Self { missing: Vec::new(), entries, bounds: RowBounds::none(n)? };
         let height = block_rows::<f64>(n, false);
         for_each_block(rows, 0, height, par, |first, block| {
+            let before = found.missing.len();
             for (i, row) in block.chunks_exact(n.max(1)).enumerate() {
                 if used.iter().any(|&j| row[j].is_nan()) {
                     push(&mut found.missing, first + i)?;
@@ -72,8 +77,20 @@ impl Survey {
                     entries.insert(place, entry);
                 }
             }
+            let Self { missing, bounds, .. } = &mut found;
+            let missing = &missing[before..];
+            if n > 0 && missing.is_empty() {
+                bounds.widen(block, n, par)?;
+                return Ok(());
+            }
+            for (i, row) in block.chunks_exact(n.max(1)).enumerate() {
+                if missing.binary_search(&(first + i)).is_err() {
+                    bounds.include(row);
+                }
+            }
             Ok(())
         })?;
+        found.bounds.rows = (rows.nrows() - found.missing.len()) as u64;
         Ok(found)
     }
 
@@ -179,6 +196,31 @@ impl Design {
         (!factors.is_empty()).then(|| Coding::new(numbers, factors))
     }
 
+    /// Returns the bounds of the rows of the matrix for those of the rows of the table that are not
+    /// left out, such as [`Survey::bounds`]: they are those that [`RowBounds::of`] finds, if there
+    /// is a row of each level.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] when the table does not have the columns, [`Error::OutOfMemory`].
+    pub fn bounds(&self, table: &RowBounds<f64>) -> Result<RowBounds<f64>> {
+        self.check_table(table.ncols())?;
+        table.arranged(self.columns.iter().flat_map(|column| {
+            let source = match column {
+                DesignColumn::Numbers(j) => Some(*j),
+                DesignColumn::Indicators(..) => None,
+            };
+            std::iter::repeat_n(source, column.width())
+        }))
+    }
+
+    /// Checks that a table of n columns has those of the design.
+    fn check_table(&self, n: usize) -> Result<()> {
+        let column = |column: &DesignColumn| match *column {
+            DesignColumn::Numbers(j) | DesignColumn::Indicators(j, _) => j,
+        };
+        check_columns(self.columns.iter().map(column), n)
+    }
+
     /// Returns the numbers, one for each row of the table, that belong to rows of the matrix.
     ///
     /// ```
@@ -208,10 +250,7 @@ impl Design {
         &'r self,
         table: &'r mut (dyn RowBlocks<f64> + Send),
     ) -> Result<DesignRows<'r>> {
-        let column = |column: &'r DesignColumn| match column {
-            DesignColumn::Numbers(j) | DesignColumn::Indicators(j, _) => j,
-        };
-        check_columns(self.columns.iter().map(column), table.ncols())?;
+        self.check_table(table.ncols())?;
         let m = table.nrows();
         if let Some(row) = self.left_out.last().filter(|&&row| row >= m) {
             let why = format!("row {row} is left out, but the table has {m} rows");
@@ -333,8 +372,8 @@ impl Design {
 }
 
 /// Checks that columns are those of a table of n columns.
-fn check_columns<'c>(mut columns: impl Iterator<Item = &'c usize>, n: usize) -> Result<()> {
-    match columns.find(|&&column| column >= n) {
+fn check_columns(mut columns: impl Iterator<Item = usize>, n: usize) -> Result<()> {
+    match columns.find(|&column| column >= n) {
         Some(column) => {
             let why = format!("column {column} of a table of {n} columns");
             Err(Error::Argument { what: "design", why })
@@ -348,6 +387,7 @@ mod tests {
     use faer::{Mat, mat};
 
     use super::*;
+    use crate::product::AtaOptions;
     use crate::rows::DenseRows;
 
     fn read(design: &Design, table: &Mat<f64>, height: usize) -> Result<Mat<f64>> {
@@ -429,6 +469,9 @@ mod tests {
             let found = Survey::of(&mut rows, &[0, 1], &[1], par).unwrap();
             assert_eq!(found.missing, [3, 499]);
             assert_eq!(found.entries, [(0..7).map(f64::from).collect::<Vec<_>>()]);
+            let kept = Mat::from_fn(498, 3, |i, j| table[(i + usize::from(i > 2), j)]);
+            let bounds = RowBounds::of(&mut DenseRows(kept.as_ref()), None, 64, &AtaOptions::new());
+            assert_eq!(found.bounds, bounds.unwrap());
         }
         table[(8, 1)] = f64::INFINITY;
         let refused = Survey::of(&mut DenseRows(table.as_ref()), &[1], &[], Par::Seq).unwrap_err();
