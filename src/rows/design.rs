@@ -470,8 +470,9 @@ mod tests {
             assert_eq!(found.missing, [3, 499]);
             assert_eq!(found.entries, [(0..7).map(f64::from).collect::<Vec<_>>()]);
             let kept = Mat::from_fn(498, 3, |i, j| table[(i + usize::from(i > 2), j)]);
-            let bounds = RowBounds::of(&mut DenseRows(kept.as_ref()), None, 64, &AtaOptions::new());
-            assert_eq!(found.bounds, bounds.unwrap());
+            let (mut kept, options) = (DenseRows(kept.as_ref()), AtaOptions::new());
+            let bounds = RowBounds::<f64>::of(&mut kept, None, 64, &options).unwrap();
+            assert_eq!(found.bounds, bounds);
         }
         table[(8, 1)] = f64::INFINITY;
         let refused = Survey::of(&mut DenseRows(table.as_ref()), &[1], &[], Par::Seq).unwrap_err();
