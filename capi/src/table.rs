@@ -40,7 +40,7 @@ pub const CATA_NO: i32 = 2;
 
 /// `missing`: a row with a missing cell in a column that is used is an error.
 pub const CATA_MISSING_ERROR: i32 = 0;
-/// `missing`: such a row is left out. Arrays, whose NaN are numbers, are refused.
+/// `missing`: such a row is left out.
 pub const CATA_MISSING_DROP: i32 = 1;
 /// `missing`: such a cell becomes NaN.
 pub const CATA_MISSING_NAN: i32 = 2;
