@@ -43,7 +43,8 @@ def rival(path):
     frame = polars.read_csv(path) if path.endswith(".csv") else polars.read_parquet(path)
     dense = DenseMatrix(np.asfortranarray(frame.select(NUMBERS).to_numpy()))
     factors = [CategoricalMatrix(frame[name].to_numpy(), drop_first=True) for name in FACTORS]
-    a, y, ones = SplitMatrix([dense, *factors]), frame["y"].to_numpy(writable=True), np.ones(len(frame))
+    a, y = SplitMatrix([dense, *factors]), frame["y"].to_numpy(writable=True)
+    ones = np.ones(len(y))
     sums = a.transpose_matvec(ones)
     gram = a.sandwich(ones) - np.outer(sums, sums) / len(y)
     x = solve(gram, a.transpose_matvec(y) - sums * y.mean(), assume_a="pos")
