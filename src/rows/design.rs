@@ -119,7 +119,7 @@ impl DesignColumn {
 
     /// Returns whether a code stands for the columns in coded rows.
     fn is_coded(&self) -> bool {
-        /// Fewer columns are as fast in the product as at the place of their level.
+        /// Threads share the rows of levels: fewer of them would keep few threads busy.
         const LEAST: usize = 32;
         matches!(self, Self::Indicators(..)) && self.width() >= LEAST
     }
