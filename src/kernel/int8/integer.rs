@@ -323,6 +323,7 @@ mod tests {
             assert_eq!(I256::product(c, d), Some(wide(c * d)));
             let bits = (rng.bits() % 60) as u32;
             assert_eq!(wide(c).shifted_left(bits), Some(wide(c << bits)));
+            assert_eq!(I256::of_shifted(c, bits), wide(c << bits));
             let limbs = [c, d, a >> 90].map(|v| (v >> 12) as i64);
             let limbs = [limbs[0], limbs[1], limbs[2], 0, 0, 0];
             assert_eq!(I256::from_limbs(limbs), wide(i128::from_limbs(limbs)));
