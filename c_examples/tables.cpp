@@ -27,16 +27,16 @@ void run() {
     catamaran::table_options how;
     how.columns = "x,y,city";
     how.factors = "city";
-    how.missing = catamaran::missing_cells::drop_row;
-    const catamaran::table table(path, how);
+    how.missing = catamaran::missing_cells::drop;
+    const catamaran::table table = catamaran::table::read(path, how);
     std::printf("%s\n", table.reading().c_str());
-    require(table.rows() == 4 && table.columns() == 3 && table.dropped_rows() == 1, "shape");
+    require(table.rows() == 4 && table.cols() == 3 && table.dropped_rows() == 1, "shape");
     require(table.name(1) == "y" && table.levels(0).empty(), "names");
     require(table.levels(2) == std::vector<std::string>{"Bonn", "Kiel", "Ulm"}, "levels");
 
     const std::vector<double> entries = table.entries();
     const auto columns = [&](std::size_t first) {
-        return catamaran::row_major(&entries[first], table.rows(), 1, table.columns());
+        return catamaran::row_major(&entries[first], table.rows(), 1, table.cols());
     };
     catamaran::lstsq_options with_intercept;
     with_intercept.intercept = true;
@@ -47,7 +47,7 @@ void run() {
 
     try {
         how.columns = "z";
-        const catamaran::table none(path, how);
+        catamaran::table::read(path, how);
         require(false, "a column that does not exist");
     } catch (const catamaran::error& refused) {
         require(std::string(refused.what()).find("no column z") != std::string::npos, "message");

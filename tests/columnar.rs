@@ -253,6 +253,25 @@ fn nulls_are_missing_cells() {
 }
 
 #[test]
+fn nan_is_a_missing_cell_as_it_is_in_text() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.parquet");
+    let schema = "message m { required double x; }";
+    write(&path, schema, WriterProperties::default(), |writer| {
+        group::<DoubleType>(writer, &[0.0, 1.0]);
+        group::<DoubleType>(writer, &[2.0, f64::NAN, 4.0]);
+    });
+    let with = |missing| options(TableOptions::new().missing(missing));
+    let refused = refusal(&path, &with(Missing::Error));
+    assert!(refused.contains("column x, row group 1 (counted from 0)"), "{refused}");
+    assert!(refused.contains("a missing value in row 1 of it; option `missing`"), "{refused}");
+    let found = content(&path, &with(Missing::Drop));
+    same(&doubles(&found), &Mat::from_fn(4, 1, |i, _| [0.0, 1.0, 2.0, 4.0][i]));
+    assert_eq!(found.reading.unwrap().dropped_rows, 1);
+    assert!(doubles(&content(&path, &with(Missing::Nan)))[(3, 0)].is_nan());
+}
+
+#[test]
 fn the_content_says_the_format() {
     let folder = tempfile::tempdir().unwrap();
     for (name, given) in [("kinds.parquet", "a.data"), ("kinds.arrow", "b")] {

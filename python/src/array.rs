@@ -43,13 +43,20 @@ fn numpy<'py>(py: Python<'py>) -> PyResult<&'py Bound<'py, PyAny>> {
     Ok(module.bind(py))
 }
 
-/// What `numpy.asarray` makes of an object: the object itself if it is an array.
+/// What `numpy.asarray` or `numpy.from_dlpack` makes of an object: the object itself if it is an
+/// array.
 pub fn untyped<'py>(object: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyUntypedArray>> {
     if let Ok(array) = object.cast::<PyUntypedArray>() {
         return Ok(array.clone());
     }
     let py = object.py();
-    Ok(numpy(py)?.call_method1(intern!(py, "asarray"), (object,))?.cast_into()?)
+    // What only exports DLPack would become an array of one object.
+    let exports = object.hasattr(intern!(py, "__dlpack__"))?;
+    let make = match exports && !object.hasattr(intern!(py, "__array__"))? {
+        true => intern!(py, "from_dlpack"),
+        false => intern!(py, "asarray"),
+    };
+    Ok(numpy(py)?.call_method1(make, (object,))?.cast_into()?)
 }
 
 /// Whether the elements are a T as it is in memory.

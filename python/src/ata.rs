@@ -3,7 +3,7 @@
 use catamaran::blas::BlasReal;
 use catamaran::faer::complex::Complex;
 use catamaran::product::ata_sparse as sparse_product;
-use catamaran::rows::{Center, DenseRows, RowOptions, ata_rows};
+use catamaran::rows::{Center, DenseRows, RowBlocks, RowOptions, ata_rows};
 use catamaran::{AtaOptions, Real, aha_into, ahb_into, ata_into as product, atb_into};
 use numpy::{PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::PyTypeError;
@@ -12,6 +12,7 @@ use pyo3::types::PyBool;
 
 use crate::array::{Array, untyped, zeros};
 use crate::error::refused;
+use crate::frame::Frame;
 use crate::options::Products;
 use crate::scalar::Scalar;
 use crate::sparse::Csr;
@@ -66,6 +67,16 @@ pub fn ata<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let options = products.options()?;
+    // Whether `out` is memory of a frame is not known; a small frame is an array soon.
+    let frame = Frame::of("a", a)?.filter(|frame| b.is_none() && out.is_none() && frame.is_large());
+    if let Some(frame) = frame {
+        let call = Call { b: None, weights, center, out, alpha, beta, options, progress };
+        let (mut rows, n) = (&frame, frame.shape().1);
+        return match frame.is_single && !wide {
+            true => of_rows::<f32>(py, &mut rows, zeros(py, [n, n])?, call),
+            false => of_rows::<f64>(py, &mut rows, zeros(py, [n, n])?, call),
+        };
+    }
     let a = untyped(a)?;
     let kind = |array: &Bound<'py, PyUntypedArray>| {
         let kind = array.dtype();
@@ -143,10 +154,24 @@ where
     T: Scalar + BlasReal,
 {
     let a = Array::<S>::new("a", a, &[2])?;
-    let (m, n) = a.shape();
-    let (alpha, beta) = (T::from_f64(call.alpha), T::from_f64(call.beta));
-    let mut c = call.output::<T>(py, [n, n])?;
+    let (_, n) = a.shape();
+    let c = call.output::<T>(py, [n, n])?;
     call.check_apart(&c, &a)?;
+    of_rows(py, &mut DenseRows(a.view()), c, call)
+}
+
+/// The product of rows, weighted or centred, in `c`.
+fn of_rows<'py, T>(
+    py: Python<'py>,
+    a: &mut (dyn RowBlocks<T> + Send),
+    mut c: Array<'py, T>,
+    call: Call<'_, 'py>,
+) -> PyResult<Bound<'py, PyAny>>
+where
+    T: Scalar + BlasReal,
+{
+    let (m, n) = (a.nrows(), a.ncols());
+    let (alpha, beta) = (T::from_f64(call.alpha), T::from_f64(call.beta));
     let weights = call.weights.map(|w| Array::<T>::new("weights", w, &[1])).transpose()?;
     let mean = call.center.is_some_and(|center| center.is_exact_instance_of::<PyBool>());
     let given = call.center.filter(|_| !mean);
@@ -160,10 +185,10 @@ where
     };
     let about = RowOptions::new().weights(weights.as_deref()).center(center);
     let length = Length::of(m as f64 * n as f64 * n as f64 / 2.0);
-    let (a, view, options) = (a.view(), c.view_mut(), &call.options);
+    let (view, options) = (c.view_mut(), &call.options);
     run(py, length, call.progress, move |progress| {
         let options = options.clone().progress(progress);
-        ata_rows(alpha, &mut DenseRows(a), &about, beta, view, &options)
+        ata_rows(alpha, a, &about, beta, view, &options)
     })?;
     Ok(c.into_any())
 }

@@ -18,13 +18,15 @@ use pyo3::types::PyDict;
 
 use crate::array::{Array, from_matrix, from_vec, untyped, zeros};
 use crate::error::exception;
+use crate::frame::Frame;
 use crate::options::{par, word};
 use crate::task::{Length, run};
 
-/// Rows of f32 or of f64; either become f64 without rounding.
+/// Rows of f32 or of f64, which become f64 without rounding, or of a data frame.
 pub enum Rows<'py> {
     F32(Array<'py, f32>),
     F64(Array<'py, f64>),
+    Frame(Frame),
 }
 
 /// Their view, which other threads may hold.
@@ -32,11 +34,15 @@ pub enum Rows<'py> {
 pub enum RowsView<'a> {
     F32(MatRef<'a, f32>),
     F64(MatRef<'a, f64>),
+    Frame(&'a Frame),
 }
 
 impl<'py> Rows<'py> {
-    /// The rows of an array of these numbers of dimensions.
+    /// The rows of an array of these numbers of dimensions, or of a data frame.
     pub fn new(name: &str, object: &Bound<'py, PyAny>, dimensions: &[usize]) -> PyResult<Self> {
+        if let Some(frame) = Frame::of(name, object)? {
+            return Ok(Self::Frame(frame));
+        }
         let array = untyped(object)?;
         let (kind, bytes) = (array.dtype().kind(), array.dtype().itemsize());
         Ok(match kind == b'f' && bytes == 4 {
@@ -50,6 +56,7 @@ impl<'py> Rows<'py> {
         match self {
             Self::F32(array) => array.shape(),
             Self::F64(array) => array.shape(),
+            Self::Frame(frame) => frame.shape(),
         }
     }
 
@@ -58,6 +65,7 @@ impl<'py> Rows<'py> {
         match self {
             Self::F32(array) => RowsView::F32(array.view()),
             Self::F64(array) => RowsView::F64(array.view()),
+            Self::Frame(frame) => RowsView::Frame(frame),
         }
     }
 }
@@ -67,6 +75,7 @@ impl RowBlocks<f64> for RowsView<'_> {
         match self {
             Self::F32(view) => view.nrows(),
             Self::F64(view) => view.nrows(),
+            Self::Frame(frame) => frame.shape().0,
         }
     }
 
@@ -74,6 +83,7 @@ impl RowBlocks<f64> for RowsView<'_> {
         match self {
             Self::F32(view) => view.ncols(),
             Self::F64(view) => view.ncols(),
+            Self::Frame(frame) => frame.shape().1,
         }
     }
 
@@ -85,6 +95,7 @@ impl RowBlocks<f64> for RowsView<'_> {
         match self {
             Self::F32(view) => DenseRows(*view).read(first, out),
             Self::F64(view) => DenseRows(*view).read(first, out),
+            Self::Frame(frame) => frame.read(first, out),
         }
     }
 }

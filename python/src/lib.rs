@@ -14,6 +14,7 @@ mod decimate;
 mod environment;
 mod error;
 mod exclusive;
+mod frame;
 mod gram;
 mod mesh;
 mod mesh_file;

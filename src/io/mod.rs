@@ -112,7 +112,7 @@ impl FileContent {
 /// - `.parquet`, `.pq`, and Arrow's IPC format in `.arrow`, `.feather`, `.ipc` (feature
 ///   `columnar`): f64. Columns have names; those of numbers, truth values and decimals are read,
 ///   words are factors ([`Words::Factor`]) or left out, and all others are left out. A null is a
-///   missing cell.
+///   missing cell, and so is NaN.
 /// - `.npz`, packed or not: the array `FILE.npz:NAME`, or `FILE.npz` with one array or a sparse
 ///   matrix as `scipy.sparse.save_npz` writes it.
 ///
@@ -168,6 +168,7 @@ pub fn read_file(path: &Path, options: &ReadOptions<'_>) -> Result<FileContent> 
     let source_options = SourceOptions { max_memory, progress };
     let columns = &options.columns;
     if let Some((file, name)) = names::npz_array(path).filter(|_| options.format.is_none()) {
+        options.check_array(path)?;
         let (matrix, numbers) = archive::read(&file, name, &source_options)?.choose(columns)?;
         return Ok(FileContent { matrix, names: Vec::new(), numbers, reading: None });
     }
@@ -179,8 +180,13 @@ pub fn read_file(path: &Path, options: &ReadOptions<'_>) -> Result<FileContent> 
         Ok(FileContent { matrix, names, numbers, reading: Some(reading) })
     };
     let matrix = match format {
-        FileFormat::Npy => npy::read(&mut source, columns)?,
-        FileFormat::Mtx => mtx::read(&mut source, columns)?,
+        FileFormat::Npy | FileFormat::Mtx => {
+            options.check_array(path)?;
+            match format {
+                FileFormat::Npy => npy::read(&mut source, columns)?,
+                _ => mtx::read(&mut source, columns)?,
+            }
+        }
         FileFormat::Table => return content(table::read(&mut source, &options.table, columns)?),
         FileFormat::Parquet | FileFormat::Arrow => {
             if source.packing() != Packing::None {

@@ -1,9 +1,11 @@
 //! How files of matrices are read.
 
+use std::path::Path;
+
 use super::columns::Columns;
 use super::names::FileFormat;
-use super::table::TableOptions;
-use crate::base::{Progress, options};
+use super::table::{Missing, TableOptions, option};
+use crate::base::{Error, Progress, Result, options};
 
 options! {
     /// How [`read`](crate::io::read()) reads. The default reads everything.
@@ -32,5 +34,22 @@ options! {
         max_memory: Option<u64> = None, setter into;
         /// Receives the fraction of the file that has been read; may cancel.
         progress: Progress<'a> = Progress::none(), setter into;
+    }
+}
+
+impl ReadOptions<'_> {
+    /// Checks that no rows are to be left out of an array: it has no missing cells, and its NaN are
+    /// numbers. Public for the command line, which reads arrays block by block.
+    ///
+    /// # Errors
+    /// [`Error::Io`] names the file and the option.
+    #[doc(hidden)]
+    pub fn check_array(&self, path: &Path) -> Result<()> {
+        if self.table.missing != Missing::Drop {
+            return Ok(());
+        }
+        let option = option("missing");
+        let what = format!("{option} = drop: an array has no missing cells; its NaN are numbers");
+        Err(Error::file(path, what))
     }
 }

@@ -3,11 +3,12 @@ use std::ops::Range;
 use faer::MatRef;
 use faer::mat::AsMatRef;
 
+use super::coded::{Coding, for_each_block_as};
 use super::exact::ExactSums;
 use super::extended::ExtendedGram;
 use super::float::FloatSums;
 use super::grid::{Grid, RowBounds, Shift};
-use super::pass::{Pass, for_each_block_of};
+use super::pass::Pass;
 use super::source::{DenseRows, RowBlocks};
 use super::strip::Strip;
 use crate::base::{Error, Par, Result, block_rows, finite_weights};
@@ -457,24 +458,29 @@ impl<T: BlasReal> Accumulator<T> {
         let (m, n) = (rows.nrows(), rows.ncols());
         Error::check_shape("rows", (m, self.ncols), (m, n))?;
         finite_weights(m, weights)?;
-        for_each_block_of(rows, weights, height, 0, options, |count, block, weights, pass| {
-            self.change(count, block, weights, remove, pass)
+        let coding = rows.coding().filter(|_| self.is_extended());
+        let coding = coding.as_ref();
+        for_each_block_as(coding, rows, weights, height, 0, options, |count, block, w, pass| {
+            self.change(coding, count, block, w, remove, pass)
         })
     }
 
-    /// Adds a block of `count` rows, one after another, in a pass. Their entries are overwritten.
+    /// Adds a block of `count` rows, one after another, in a pass; coded ones if there is a coding.
+    /// Their entries are overwritten.
     pub(super) fn add(
         &mut self,
+        coding: Option<&Coding>,
         count: usize,
         block: &mut [T],
         weights: Option<&[T]>,
         pass: &mut Pass<'_>,
     ) -> Result<()> {
-        self.change(count, block, weights, false, pass)
+        self.change(coding, count, block, weights, false, pass)
     }
 
     fn change(
         &mut self,
+        coding: Option<&Coding>,
         count: usize,
         block: &mut [T],
         weights: Option<&[T]>,
@@ -488,7 +494,10 @@ impl<T: BlasReal> Accumulator<T> {
             }
             Sums::Float(sums) => sums.add(count, block, weights, pass),
             Sums::Exact(sums) => sums.add(count, block, weights, remove, pass),
-            Sums::Extended(sums) => sums.add(count, block, weights, remove, pass),
+            Sums::Extended(sums) => match coding {
+                Some(coding) => sums.add_coded(coding, count, block, weights, remove, pass),
+                None => sums.add(count, block, weights, remove, pass),
+            },
         }
     }
 

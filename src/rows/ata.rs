@@ -232,7 +232,8 @@ pub fn ata_extended<T: BlasReal>(
     };
     // The residues of a block are recombined once: few rows do not pay for that where C is large.
     // No block is larger than the sums.
-    let height = block_rows::<T>(rows.ncols(), weights.is_some()).max(rows.ncols());
+    let width = rows.coding().map_or(rows.ncols(), |coding| coding.width());
+    let height = block_rows::<T>(width, weights.is_some()).max(width);
     let [first, rest] = [0.0..FIRST_PASS, FIRST_PASS..1.0].map(|part| options.progress.part(part));
     let bounds = RowBounds::of_finite(rows, weights, height, &options.clone().progress(first))?;
     let mut sum = Accumulator::extended(&bounds, centered)?;

@@ -4,18 +4,22 @@
 use faer::MatMut;
 
 use super::blocks::for_each_block;
+use super::coded::Coding;
 use super::factor::Factor;
+use super::grid::RowBounds;
 use super::source::RowBlocks;
 use crate::base::{Error, Par, Result, block_rows, push, zeros};
 
 /// What one pass over a table finds for its [`Design`].
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Survey {
     /// Rows, ascending, with a NaN in one of the columns that are used.
     pub missing: Vec<usize>,
     /// For each factor the entries of its column in the other rows, ascending, each once.
     pub entries: Vec<Vec<f64>>,
+    /// The bounds of all columns in the other rows.
+    pub bounds: RowBounds<f64>,
 }
 
 impl Survey {
@@ -41,10 +45,12 @@ impl Survey {
         par: Par,
     ) -> Result<Self> {
         let n = rows.ncols();
-        check_columns(used.iter().chain(factors), n)?;
-        let mut found = Self { missing: Vec::new(), entries: vec![Vec::new(); factors.len()] };
+        check_columns(used.iter().chain(factors).copied(), n)?;
+        let entries = vec![Vec::new(); factors.len()];
+        let mut found = Self { missing: Vec::new(), entries, bounds: RowBounds::none(n)? };
         let height = block_rows::<f64>(n, false);
         for_each_block(rows, 0, height, par, |first, block| {
+            let before = found.missing.len();
             for (i, row) in block.chunks_exact(n.max(1)).enumerate() {
                 if used.iter().any(|&j| row[j].is_nan()) {
                     push(&mut found.missing, first + i)?;
@@ -55,6 +61,10 @@ impl Survey {
                 }
                 for (entries, &j) in found.entries.iter_mut().zip(factors) {
                     let entry = row[j];
+                    // Codes are their own places, once all are there.
+                    if entries.get(entry as usize) == Some(&entry) {
+                        continue;
+                    }
                     let place = entries.binary_search_by(|own: &f64| own.total_cmp(&entry));
                     let Err(place) = place else { continue };
                     if entries.len() == Self::MOST_LEVELS {
@@ -67,8 +77,20 @@ impl Survey {
                     entries.insert(place, entry);
                 }
             }
+            let Self { missing, bounds, .. } = &mut found;
+            let missing = &missing[before..];
+            if n > 0 && missing.is_empty() {
+                bounds.widen(block, n, par)?;
+                return Ok(());
+            }
+            for (i, row) in block.chunks_exact(n.max(1)).enumerate() {
+                if missing.binary_search(&(first + i)).is_err() {
+                    bounds.include(row);
+                }
+            }
             Ok(())
         })?;
+        found.bounds.rows = (rows.nrows() - found.missing.len()) as u64;
         Ok(found)
     }
 
@@ -84,6 +106,23 @@ pub enum DesignColumn {
     Numbers(usize),
     /// The indicators of the levels, but the base, of the factor in this column of the table.
     Indicators(usize, Factor),
+}
+
+impl DesignColumn {
+    /// Returns the number of columns of the matrix.
+    fn width(&self) -> usize {
+        match self {
+            Self::Numbers(_) => 1,
+            Self::Indicators(_, factor) => factor.levels().len() - 1,
+        }
+    }
+
+    /// Returns whether a code stands for the columns in coded rows.
+    fn is_coded(&self) -> bool {
+        /// Threads share the rows of levels: fewer of them would keep few threads busy.
+        const LEAST: usize = 32;
+        matches!(self, Self::Indicators(..)) && self.width() >= LEAST
+    }
 }
 
 /// How the rows of a table become those of a matrix.
@@ -140,11 +179,46 @@ impl Design {
 
     /// Returns the number of columns of the matrix.
     pub fn ncols(&self) -> usize {
-        let width = |column: &DesignColumn| match column {
-            DesignColumn::Numbers(_) => 1,
-            DesignColumn::Indicators(_, factor) => factor.levels().len() - 1,
+        self.columns.iter().map(DesignColumn::width).sum()
+    }
+
+    /// Returns how the rows are coded, if there is a factor of many levels.
+    pub fn coding(&self) -> Option<Coding> {
+        let (mut numbers, mut factors, mut first) = (Vec::new(), Vec::new(), 0);
+        for column in &self.columns {
+            let columns = first..first + column.width();
+            first = columns.end;
+            match column.is_coded() {
+                true => factors.push(columns),
+                false => numbers.extend(columns),
+            }
+        }
+        (!factors.is_empty()).then(|| Coding::new(numbers, factors))
+    }
+
+    /// Returns the bounds of the rows of the matrix for those of the rows of the table that are not
+    /// left out, such as [`Survey::bounds`]: they are those that [`RowBounds::of`] finds, if there
+    /// is a row of each level.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] when the table does not have the columns, [`Error::OutOfMemory`].
+    pub fn bounds(&self, table: &RowBounds<f64>) -> Result<RowBounds<f64>> {
+        self.check_table(table.ncols())?;
+        table.arranged(self.columns.iter().flat_map(|column| {
+            let source = match column {
+                DesignColumn::Numbers(j) => Some(*j),
+                DesignColumn::Indicators(..) => None,
+            };
+            std::iter::repeat_n(source, column.width())
+        }))
+    }
+
+    /// Checks that a table of n columns has those of the design.
+    fn check_table(&self, n: usize) -> Result<()> {
+        let column = |column: &DesignColumn| match *column {
+            DesignColumn::Numbers(j) | DesignColumn::Indicators(j, _) => j,
         };
-        self.columns.iter().map(width).sum()
+        check_columns(self.columns.iter().map(column), n)
     }
 
     /// Returns the numbers, one for each row of the table, that belong to rows of the matrix.
@@ -176,10 +250,7 @@ impl Design {
         &'r self,
         table: &'r mut (dyn RowBlocks<f64> + Send),
     ) -> Result<DesignRows<'r>> {
-        let column = |column: &'r DesignColumn| match column {
-            DesignColumn::Numbers(j) | DesignColumn::Indicators(j, _) => j,
-        };
-        check_columns(self.columns.iter().map(column), table.ncols())?;
+        self.check_table(table.ncols())?;
         let m = table.nrows();
         if let Some(row) = self.left_out.last().filter(|&&row| row >= m) {
             let why = format!("row {row} is left out, but the table has {m} rows");
@@ -214,7 +285,28 @@ impl RowBlocks<f64> for DesignRows<'_> {
         self.design.ncols()
     }
 
-    fn read(&mut self, first: usize, mut out: MatMut<'_, f64>) -> Result<()> {
+    fn read(&mut self, first: usize, out: MatMut<'_, f64>) -> Result<()> {
+        self.read_as(first, out, None)
+    }
+
+    fn coding(&self) -> Option<Coding> {
+        self.design.coding()
+    }
+
+    fn read_coded(&mut self, first: usize, out: MatMut<'_, f64>) -> Result<()> {
+        let coding = self.design.coding();
+        self.read_as(first, out, coding.as_ref().map(|coding| coding.numbers().len()))
+    }
+}
+
+impl DesignRows<'_> {
+    /// Reads rows; as codes from this column on, if there is one.
+    fn read_as(
+        &mut self,
+        first: usize,
+        mut out: MatMut<'_, f64>,
+        codes: Option<usize>,
+    ) -> Result<()> {
         /// Numbers of the table that are read at a time.
         const NUMBERS: usize = 1 << 16;
         let n = self.table.ncols();
@@ -230,7 +322,7 @@ impl RowBlocks<f64> for DesignRows<'_> {
             self.table.read(row, MatMut::from_row_major_slice_mut(block, count, n))?;
             for i in 0..count {
                 let row = &self.block[i * n..(i + 1) * n];
-                self.design.code(row, |k, x| out[(done + i, k)] = x)?;
+                self.design.code(row, codes, |k, x| out[(done + i, k)] = x)?;
             }
             done += count;
         }
@@ -240,8 +332,13 @@ impl RowBlocks<f64> for DesignRows<'_> {
 
 impl Design {
     /// Calls `set` with the number of each column of the matrix and its entry for a row of the
-    /// table.
-    fn code(&self, row: &[f64], mut set: impl FnMut(usize, f64)) -> Result<()> {
+    /// table; with those of the coded row, if the column of the first code is given.
+    fn code(
+        &self,
+        row: &[f64],
+        mut codes: Option<usize>,
+        mut set: impl FnMut(usize, f64),
+    ) -> Result<()> {
         let mut first = 0;
         for column in &self.columns {
             match column {
@@ -250,16 +347,21 @@ impl Design {
                     first += 1;
                 }
                 DesignColumn::Indicators(j, factor) => {
-                    let (entry, count) = (row[*j], factor.levels().len() - 1);
-                    let rest = if entry.is_nan() { f64::NAN } else { 0.0 };
+                    let (entry, count) = (row[*j], column.width());
+                    let unknown = || factor.refused(format!("has no level for {entry}"));
+                    let level = match entry.is_nan() {
+                        true => None,
+                        false => Some(factor.level_of(entry).ok_or_else(unknown)?),
+                    };
+                    if let Some(code) = codes.as_mut().filter(|_| column.is_coded()) {
+                        set(*code, level.map_or(f64::NAN, |level| level as f64));
+                        *code += 1;
+                        continue;
+                    }
+                    let rest = if level.is_none() { f64::NAN } else { 0.0 };
                     (first..first + count).for_each(|k| set(k, rest));
-                    if !entry.is_nan() {
-                        let level = factor.level_of(entry);
-                        let level = level
-                            .ok_or_else(|| factor.refused(format!("has no level for {entry}")))?;
-                        if level > 0 {
-                            set(first + level - 1, 1.0);
-                        }
+                    if let Some(level) = level.filter(|&level| level > 0) {
+                        set(first + level - 1, 1.0);
                     }
                     first += count;
                 }
@@ -270,8 +372,8 @@ impl Design {
 }
 
 /// Checks that columns are those of a table of n columns.
-fn check_columns<'c>(mut columns: impl Iterator<Item = &'c usize>, n: usize) -> Result<()> {
-    match columns.find(|&&column| column >= n) {
+fn check_columns(mut columns: impl Iterator<Item = usize>, n: usize) -> Result<()> {
+    match columns.find(|&column| column >= n) {
         Some(column) => {
             let why = format!("column {column} of a table of {n} columns");
             Err(Error::Argument { what: "design", why })
@@ -285,6 +387,7 @@ mod tests {
     use faer::{Mat, mat};
 
     use super::*;
+    use crate::product::AtaOptions;
     use crate::rows::DenseRows;
 
     fn read(design: &Design, table: &Mat<f64>, height: usize) -> Result<Mat<f64>> {
@@ -366,6 +469,10 @@ mod tests {
             let found = Survey::of(&mut rows, &[0, 1], &[1], par).unwrap();
             assert_eq!(found.missing, [3, 499]);
             assert_eq!(found.entries, [(0..7).map(f64::from).collect::<Vec<_>>()]);
+            let kept = Mat::from_fn(498, 3, |i, j| table[(i + usize::from(i > 2), j)]);
+            let (mut kept, options) = (DenseRows(kept.as_ref()), AtaOptions::new());
+            let bounds = RowBounds::<f64>::of(&mut kept, None, 64, &options).unwrap();
+            assert_eq!(found.bounds, bounds);
         }
         table[(8, 1)] = f64::INFINITY;
         let refused = Survey::of(&mut DenseRows(table.as_ref()), &[1], &[], Par::Seq).unwrap_err();

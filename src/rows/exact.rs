@@ -235,7 +235,12 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
     }
 
     /// Checks that so many rows with these weights can be added or subtracted.
-    fn check(&self, count: usize, weights: Option<&[T]>, subtract: bool) -> Result<Capacity> {
+    pub(super) fn check(
+        &self,
+        count: usize,
+        weights: Option<&[T]>,
+        subtract: bool,
+    ) -> Result<Capacity> {
         let refuse = |what, why| Err(Error::Argument { what, why });
         let capacity = self.grid.capacity();
         let Capacity { slab, rows: room, column, .. } = capacity;
@@ -300,7 +305,7 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
     }
 
     /// Returns the error for the entry x in column j.
-    fn beyond(&self, j: usize, x: f64) -> Error {
+    pub(super) fn beyond(&self, j: usize, x: f64) -> Error {
         let (lower, upper) = (self.grid.lower[j], self.grid.upper[j]);
         let why = format!("{x} in column {j} is beyond its bounds {lower}..={upper}");
         Error::Argument { what: "rows", why }
@@ -636,7 +641,7 @@ fn weightless<T: Real>(weights: Option<&[T]>) -> u64 {
 }
 
 /// Returns the first finite entry beyond the bounds of its column: column and value.
-fn first_beyond<T: Real>(rows: &[T], lower: &[T], upper: &[T]) -> Option<(usize, f64)> {
+pub(super) fn first_beyond<T: Real>(rows: &[T], lower: &[T], upper: &[T]) -> Option<(usize, f64)> {
     let beyond = |(j, x): (usize, &T)| {
         (x.is_finite() && !(lower[j] <= *x && *x <= upper[j])).then(|| (j, x.to_f64()))
     };
@@ -708,7 +713,7 @@ impl<T: BlasReal> ExactSums<T, I256> {
 
 /// Returns whether rounding to integers, after a multiplication by these factors, changes an entry.
 #[inline(always)]
-fn is_rounded<T: Real>(rows: &[T], factors: &[[f64; 2]]) -> bool {
+pub(super) fn is_rounded<T: Real>(rows: &[T], factors: &[[f64; 2]]) -> bool {
     let mut rounded = false;
     for row in rows.chunks_exact(factors.len()) {
         for (&x, [first, second]) in row.iter().zip(factors) {

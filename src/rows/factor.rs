@@ -201,8 +201,11 @@ impl Factor {
 
     /// Returns the index of the level, 0 for the base, that an entry stands for.
     pub(super) fn level_of(&self, entry: f64) -> Option<usize> {
+        // The entries of codes are their own places.
+        let own = self.entries.get(entry as usize).filter(|own| own.0 == entry);
         let order = |own: &(f64, usize)| own.0.partial_cmp(&entry).unwrap_or(Ordering::Less);
-        self.entries.binary_search_by(order).ok().map(|at| self.entries[at].1)
+        let found = || self.entries.get(self.entries.binary_search_by(order).ok()?);
+        own.or_else(found).map(|own| own.1)
     }
 
     /// Puts the levels with these indices in order.

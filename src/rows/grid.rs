@@ -1,8 +1,9 @@
 //! The grid of exact sums: the unit that each column is rounded to, chosen before the first row.
 
 use super::blocks::for_each_block;
+use super::coded::{CodedRows, Coding};
 use super::source::RowBlocks;
-use crate::base::{Error, Par, Real, Result, widest, zeros};
+use crate::base::{Error, Par, Real, Result, push, widest, zeros};
 use crate::kernel::int8::{IntegerModuli, WIDE_BITS, power_of_two, scaled};
 use crate::product::AtaOptions;
 
@@ -59,7 +60,7 @@ pub struct RowBounds<T> {
     /// and 0 where nothing is known.
     units: Vec<f64>,
     weight: Option<T>,
-    rows: u64,
+    pub(super) rows: u64,
 }
 
 impl<T: Real> RowBounds<T> {
@@ -107,7 +108,7 @@ impl<T: Real> RowBounds<T> {
     }
 
     /// Returns the bounds of no rows, which [`RowBounds::join`] extends.
-    fn none(n: usize) -> Result<Self> {
+    pub(super) fn none(n: usize) -> Result<Self> {
         let (mut lower, mut upper) = (zeros::<T>(n)?, zeros::<T>(n)?);
         lower.fill(T::from_f64(f64::INFINITY));
         upper.fill(T::from_f64(f64::NEG_INFINITY));
@@ -159,6 +160,16 @@ impl<T: Real> RowBounds<T> {
         refuse: bool,
         options: &AtaOptions<'_>,
     ) -> Result<Self> {
+        if let Some(coding) = rows.coding() {
+            let rows = &mut CodedRows::new(rows, &coding);
+            return match Self::read(rows, weights, block_rows, refuse, options) {
+                Ok(bounds) => bounds.decoded(&coding),
+                Err(Error::NonFinite { what, index: (i, j) }) => {
+                    Err(Error::NonFinite { what, index: (i, coding.column(j)) })
+                }
+                Err(other) => Err(other),
+            };
+        }
         let (m, n) = (rows.nrows(), rows.ncols());
         let mut bounds = Self::none(n)?;
         bounds.rows = m as u64;
@@ -179,8 +190,31 @@ impl<T: Real> RowBounds<T> {
         Ok(bounds)
     }
 
+    /// Returns the bounds of all columns, from those of coded rows.
+    fn decoded(&self, coding: &Coding) -> Result<Self> {
+        let mut sources = vec![None; coding.ncols()];
+        coding.numbers().iter().enumerate().for_each(|(own, &j)| sources[j] = Some(own));
+        self.arranged(sources.into_iter())
+    }
+
+    /// Returns the bounds of other columns, each the column here with this number, or one of zeros
+    /// and ones.
+    pub(super) fn arranged(&self, sources: impl Iterator<Item = Option<usize>>) -> Result<Self> {
+        let mut all = Self { weight: self.weight, rows: self.rows, ..Self::none(0)? };
+        for source in sources {
+            let (lower, upper, unit) = match source {
+                Some(j) => (self.lower[j], self.upper[j], self.units[j]),
+                None => (T::ZERO, T::ONE, lowest_bit(1.0)),
+            };
+            push(&mut all.lower, lower)?;
+            push(&mut all.upper, upper)?;
+            push(&mut all.units, unit)?;
+        }
+        Ok(all)
+    }
+
     /// Extends the bounds to the finite entries of rows; returns whether all entries are finite.
-    fn widen(&mut self, block: &[T], n: usize, par: Par) -> Result<bool> {
+    pub(super) fn widen(&mut self, block: &[T], n: usize, par: Par) -> Result<bool> {
         /// Entries that one thread reads at a time.
         const PIECE: usize = 1 << 18;
         let rows = (PIECE / n).max(1);
@@ -204,7 +238,7 @@ impl<T: Real> RowBounds<T> {
 
     /// Extends the bounds on one thread; returns whether all entries are finite.
     #[inline(always)]
-    fn include(&mut self, block: &[T]) -> bool {
+    pub(super) fn include(&mut self, block: &[T]) -> bool {
         let infinity = T::from_f64(f64::INFINITY);
         let Self { lower, upper, units, .. } = self;
         let mut all = true;
@@ -440,6 +474,14 @@ impl<T: Real> Grid<T> {
     /// Returns the number of columns.
     pub fn ncols(&self) -> usize {
         self.powers.len()
+    }
+
+    /// Returns the grid of some of the columns.
+    pub fn of_columns(&self, columns: &[usize]) -> Self {
+        let some = |of: &[T]| columns.iter().filter_map(|&j| of.get(j).copied()).collect();
+        let powers = columns.iter().map(|&j| self.powers[j]).collect();
+        let (lower, upper, shift) = (some(&self.lower), some(&self.upper), some(&self.shift));
+        Self { lower, upper, shift, powers, ..*self }
     }
 
     /// Returns what is subtracted from column j.

@@ -2,6 +2,7 @@
 
 use faer::{MatMut, MatRef};
 
+use super::coded::Coding;
 use crate::base::{Real, Result};
 use crate::product::combine::convert;
 
@@ -53,6 +54,21 @@ pub trait RowBlocks<T> {
     /// # Errors
     /// Whatever keeps the rows from being read.
     fn read(&mut self, first: usize, out: MatMut<'_, T>) -> Result<()>;
+
+    /// Returns which columns [`RowBlocks::read_coded`] replaces by codes; by default there are
+    /// none. A source that passes rows on as they are passes these two on, too.
+    fn coding(&self) -> Option<Coding> {
+        None
+    }
+
+    /// Fills `out` with coded rows (see [`Coding`]) from `first` on, as [`RowBlocks::read`] does
+    /// with whole rows.
+    ///
+    /// # Errors
+    /// Whatever keeps the rows from being read.
+    fn read_coded(&mut self, first: usize, out: MatMut<'_, T>) -> Result<()> {
+        self.read(first, out)
+    }
 }
 
 /// The rows of a matrix in memory, converted to the requested scalar (f32 to f64 is exact).

@@ -4,12 +4,15 @@
 use std::ops::Range;
 
 use super::accumulator::Accumulator;
+use super::coded::for_each_block_as;
 #[cfg(feature = "mpi")]
 use super::exact::ExactSums;
 use super::grid::RowBounds;
 #[cfg(feature = "mpi")]
 use super::grid::Shift;
-use super::pass::{FIRST_PASS, for_each_block_of};
+use super::pass::FIRST_PASS;
+#[cfg(feature = "mpi")]
+use super::pass::for_each_block_of;
 use super::source::RowBlocks;
 #[cfg(feature = "mpi")]
 use crate::base::block_rows;
@@ -99,8 +102,10 @@ pub fn stream<T: BlasReal>(
     accumulator.block_rows = block_rows as u64;
     let start = accumulator.rows() as usize;
     let options = &options.clone().progress(progress);
-    for_each_block_of(rows, weights, block_rows, start, options, |count, block, weights, pass| {
-        accumulator.add(count, block, weights, pass)?;
+    let coding = rows.coding().filter(|_| accumulator.is_extended());
+    let coding = coding.as_ref();
+    for_each_block_as(coding, rows, weights, block_rows, start, options, |count, block, w, pass| {
+        accumulator.add(coding, count, block, w, pass)?;
         after_block(accumulator)
     })
 }

@@ -17,9 +17,9 @@ impl GramArgs {
         if self.other_tables().missing() != Missing::Drop {
             return Ok(table);
         }
-        let rows = self.survey(ranks, &table, &[])?.missing;
+        let Survey { missing, bounds, .. } = self.survey(ranks, &table, &[])?;
         let columns = (0..table.ncols()).map(DesignColumn::Numbers).collect();
-        Ok(table.designed(Design::new(columns).without_rows(rows)))
+        ranks.meet(table.designed(Design::new(columns).without_rows(missing), &bounds))
     }
 
     /// Calls [`survey`] with all rows on each process: what it finds decides which rows and columns

@@ -193,9 +193,17 @@ impl<'a> Pass<'a> {
         self.args.checkpoint.remove(self.ranks)
     }
 
-    /// Computes the bounds of the rows of all ranks, by a pass over those of this rank that refuses
-    /// NaN and infinities.
+    /// Returns the bounds of the rows of all ranks: those of a survey, or by a pass over those of
+    /// this rank that refuses NaN and infinities.
     fn bounds(&self, rows: &RowList, weights: Option<&[f64]>) -> Result<RowBounds<f64>> {
+        if let Some(known) = self.table.bounds() {
+            let largest = |w: &[f64]| w.iter().fold(0.0_f64, |most, w| most.max(w.abs()));
+            let bounds = match weights {
+                Some(weights) => known.clone().with_weights(largest(weights)),
+                None => Ok(known.clone()),
+            };
+            return self.ranks.common_bounds(self.ranks.meet(bounds.map_err(Into::into))?);
+        }
         let bar = Bar::new("bounds");
         let update = |fraction| bar.update(fraction);
         let options = AtaOptions::new().par(self.args.par()).progress(&update);
@@ -207,7 +215,7 @@ impl<'a> Pass<'a> {
 
     fn height(&self) -> usize {
         let height = self.args.block_rows.map(NonZeroUsize::get);
-        height.unwrap_or_else(|| block_rows::<f64>(self.table.ncols(), self.weights.is_some()))
+        height.unwrap_or_else(|| block_rows::<f64>(self.table.width(), self.weights.is_some()))
     }
 
     /// Returns what a checkpoint must have been made with. All processes call this function: files

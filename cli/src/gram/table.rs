@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::{Context, Result, bail};
 use catamaran::faer::MatMut;
 use catamaran::faer::prelude::ReborrowMut;
-use catamaran::rows::{Design, DesignColumn, RowBlocks};
+use catamaran::rows::{Design, DesignColumn, RowBlocks, RowBounds};
 use catamaran::solve::JoinedRows;
 
 use crate::ranks::Ranks;
@@ -16,8 +16,8 @@ use crate::rows::{Part, RowList, Source, fingerprint, fingerprint_of_text};
 pub struct Table {
     a: Source,
     with: With,
-    /// None if the rows are those of the files.
-    design: Option<Design>,
+    /// None if the rows are those of the files; with the bounds of its rows.
+    design: Option<(Design, RowBounds<f64>)>,
 }
 
 /// What is done with the rows of A.
@@ -53,9 +53,20 @@ impl Table {
         Self { a, with: With::Order(order), design: None }
     }
 
-    /// Replaces the rows by those of a design.
-    pub fn designed(self, design: Design) -> Self {
-        Self { design: Some(design), ..self }
+    /// Replaces the rows by those of a design, for the bounds of the rows that it does not leave
+    /// out.
+    pub fn designed(self, design: Design, bounds: &RowBounds<f64>) -> Result<Self> {
+        let bounds = design.bounds(bounds)?;
+        Ok(Self { design: Some((design, bounds)), ..self })
+    }
+
+    /// Returns the bounds of all rows, if they are known.
+    pub fn bounds(&self) -> Option<&RowBounds<f64>> {
+        self.design.as_ref().map(|(_, bounds)| bounds)
+    }
+
+    fn design(&self) -> Option<&Design> {
+        self.design.as_ref().map(|(design, _)| design)
     }
 
     /// Returns A.
@@ -70,7 +81,7 @@ impl Table {
 
     /// Returns the number of rows.
     pub fn nrows(&self) -> usize {
-        let left_out = self.design.as_ref().map_or(0, |design| design.left_out().len());
+        let left_out = self.design().map_or(0, |design| design.left_out().len());
         self.all_rows() - left_out
     }
 
@@ -81,7 +92,7 @@ impl Table {
 
     /// Returns those of the numbers of all rows that belong to rows of the design.
     pub fn kept(&self, numbers: Vec<f64>) -> Result<Vec<f64>> {
-        Ok(match &self.design {
+        Ok(match self.design() {
             Some(design) => design.kept(&numbers)?,
             None => numbers,
         })
@@ -89,7 +100,13 @@ impl Table {
 
     /// Returns the number of columns.
     pub fn ncols(&self) -> usize {
-        self.design.as_ref().map_or_else(|| self.all_columns(), Design::ncols)
+        self.design().map_or_else(|| self.all_columns(), Design::ncols)
+    }
+
+    /// Returns the number of entries of a row as it is added.
+    pub fn width(&self) -> usize {
+        let coding = self.design().and_then(Design::coding);
+        coding.map_or_else(|| self.ncols(), |coding| coding.width())
     }
 
     /// Returns the number of columns of the files.
@@ -104,7 +121,7 @@ impl Table {
     /// Returns the file of a column, and its name there.
     pub fn column(&self, j: usize) -> (&Path, String) {
         let n = self.a.shape().1;
-        let j = self.design.as_ref().map_or(j, |design| column_of(design, j));
+        let j = self.design().map_or(j, |design| column_of(design, j));
         let (source, j) = match &self.with {
             With::Columns(b) if j >= n => (&**b, j - n),
             With::Order(order) => (&self.a, order[j]),
@@ -120,7 +137,7 @@ impl Table {
             With::Columns(b) => b.identity(),
             With::Order(order) => format!("columns in the order {order:?}"),
         };
-        let with = match &self.design {
+        let with = match self.design() {
             None => with,
             Some(design) => format!("{with}, {}", about(design)),
         };
@@ -142,7 +159,7 @@ impl Table {
             numbers.extend(names.into_iter().zip(b.facts().map(|(_, number)| number)));
             name = format!("{name}, {}", b.path().display());
         }
-        if let Some(design) = &self.design {
+        if let Some(design) = self.design() {
             let hash = fingerprint_of_text(&about(design)) as usize;
             numbers.push(("the fingerprint of factors and of rows that are left out", hash));
         }
@@ -162,7 +179,7 @@ impl Table {
         require_finite: bool,
         work: impl FnOnce(&mut (dyn RowBlocks<f64> + Send)) -> catamaran::Result<R>,
     ) -> Result<R> {
-        let Some(design) = &self.design else { return self.read_all(list, require_finite, work) };
+        let Some(design) = self.design() else { return self.read_all(list, require_finite, work) };
         self.read_all(&RowList::from(0..self.all_rows()), false, |table| {
             work(&mut Part { rows: Box::new(design.rows(table)?), list })
         })

@@ -58,7 +58,7 @@ pub(super) fn apply(
     let Rows { table, columns, targets, levels } = rows;
     let wanted = ranks.meet(wanted(path, &columns, factors))?;
     let at: Vec<usize> = wanted.iter().map(|wanted| wanted.column).collect();
-    let Survey { missing, entries, .. } = args.survey(ranks, &table, &at)?;
+    let Survey { missing, entries, bounds, .. } = args.survey(ranks, &table, &at)?;
     let dropped = missing.len();
     let of_column = |(wanted, entries): (&Wanted<'_>, Vec<f64>)| {
         let j = wanted.column;
@@ -77,7 +77,8 @@ pub(super) fn apply(
         design[j] = DesignColumn::Indicators(j, factor);
     }
     let columns = terms.iter().flat_map(names).collect();
-    let table = table.designed(Design::new(design).without_rows(missing));
+    let design = Design::new(design).without_rows(missing);
+    let table = ranks.meet(table.designed(design, &bounds))?;
     Ok(Designed { rows: Rows { table, columns, targets, levels }, terms, dropped })
 }
 

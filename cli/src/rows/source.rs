@@ -15,7 +15,7 @@ use catamaran::io::{
     self as files, ColumnKind, CsMat, FileContent, Matrix, ReadOptions, RowFile, SparseRows,
     TableFile, TableReading,
 };
-use catamaran::rows::{DenseRows, RowBlocks};
+use catamaran::rows::{Coding, DenseRows, RowBlocks};
 
 use super::list::RowList;
 use crate::claims::file_of;
@@ -75,6 +75,7 @@ impl Source {
     pub fn open(name: &Path, options: &ReadOptions<'_>) -> Result<Self> {
         let (mut names, mut chosen) = (Vec::new(), Vec::new());
         let content = if options.format.is_none() && RowFile::is_one(name) {
+            options.check_array(name)?;
             let file = RowFile::open(name)?;
             chosen = named(name, options.columns.of(&[], file.ncols()))?;
             Content::File(file)
@@ -524,6 +525,18 @@ impl<T> RowBlocks<T> for Part<'_, T> {
         list.for_each(first..first + out.nrows(), |place, range| {
             let out = out.rb_mut().subrows_mut(place, range.len());
             rows.read(range.start, out)
+        })
+    }
+
+    fn coding(&self) -> Option<Coding> {
+        self.rows.coding()
+    }
+
+    fn read_coded(&mut self, first: usize, mut out: MatMut<'_, T>) -> catamaran::Result<()> {
+        let (list, rows) = (self.list, &mut self.rows);
+        list.for_each(first..first + out.nrows(), |place, range| {
+            let out = out.rb_mut().subrows_mut(place, range.len());
+            rows.read_coded(range.start, out)
         })
     }
 }

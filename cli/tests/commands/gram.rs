@@ -382,6 +382,40 @@ fn factors_of_words_are_fitted_and_predicted_by_their_levels() {
 }
 
 #[test]
+fn factors_of_many_levels_are_fitted_as_their_columns_are() {
+    let folder = Folder::new();
+    let level = |i: usize| format!("l{:02}", i * 7 % 45);
+    let numbers = |i: usize| format!("{},{}", (i * i) as f64 / 7.0, (i * 31 % 57) as f64 / 3.0);
+    let (mut table, mut columns) = ("k,x,y\n".to_owned(), String::new());
+    columns += &(1..45).map(|l| format!("k[l{l:02}],")).collect::<String>();
+    columns += "x,y\n";
+    for i in 0..200 {
+        table += &format!("{},{}\n", level(i), numbers(i));
+        for l in 1..45 {
+            columns += if level(i) == format!("l{l:02}") { "1," } else { "0," };
+        }
+        columns += &format!("{}\n", numbers(i));
+    }
+    folder.write("a.csv", table);
+    folder.write("b.csv", columns);
+    folder.write("w.csv", (0..200).map(|i| format!("{}\n", i % 4)).collect::<String>());
+    let targets = |line: &str| -> Value {
+        folder.succeed(&format!("lstsq {line} --by-column y --intercept -o x.json --force"));
+        let found = fs::read_to_string(folder.path("x.json")).unwrap();
+        let found: Value = serde_json::from_str(&found).unwrap();
+        assert_eq!(found["columns"].as_array().unwrap().len(), 45);
+        found["targets"].clone()
+    };
+    for weights in ["", "--weights w.csv"] {
+        let right = targets(&format!("b.csv {weights}"));
+        for threads in [1, 3] {
+            let line = format!("a.csv --factor k {weights} --threads {threads} --block-rows 30");
+            assert_eq!(targets(&line), right, "{line}");
+        }
+    }
+}
+
+#[test]
 fn rows_of_two_files_with_missing_cells_are_left_out_together() {
     let folder = Folder::new();
     folder.write("a.csv", "x\n1\nNA\n3\n4\n7\n");

@@ -111,6 +111,21 @@ fn every_command_that_reads_tables_has_the_same_options() {
 }
 
 #[test]
+fn rows_of_an_array_are_dropped_only_where_nan_is_a_missing_value() {
+    let folder = Folder::new();
+    folder.write_npy("a.npy", &[4, 2], &[1.0, 2.0, f64::NAN, 3.0, 4.0, 5.0, 6.0, 9.0]);
+    folder.write("a.mtx", "%%MatrixMarket matrix array real general\n2 1\n1\nnan\n");
+    for file in ["a.npy", "a.mtx"] {
+        let said = folder.fail(&format!("ata {file} --missing drop"));
+        let why = "--missing drop: an array has no missing cells; its NaN are numbers";
+        assert!(said.contains(&format!("{file}: {why}")), "{said}");
+    }
+    folder.succeed("ata a.npy -o c.npy");
+    assert!(folder.read_npy::<f64>("c.npy", &[2; 2])[0].is_nan());
+    folder.succeed("pca a.npy --missing drop");
+}
+
+#[test]
 fn rows_that_belong_to_those_of_another_file_are_not_dropped() {
     let folder = Folder::new();
     folder.write("a.csv", "x\n1\nNA\n3\n4\n");

@@ -257,6 +257,7 @@ def lstsq(
         of a pandas categorical keep their order. See `LeastSquares.factor_columns`.
     missing : {"error", "drop"}
         What happens to rows with a NaN, or without a label: a ValueError, or they are left out.
+        The "nan" of `read` is refused: no solution can be computed with NaN.
     threads, progress
         As in `ata`.
 

@@ -49,8 +49,8 @@ impl fmt::Debug for ColumnarFile {
 }
 
 impl ColumnarFile {
-    /// Opens a file of this format. Reads columns with missing cells, where rows are dropped, and
-    /// of words, once.
+    /// Opens a file of this format. Reads all columns where rows are dropped, else those of words,
+    /// once.
     ///
     /// # Errors
     /// [`Error::Io`] names the file and what is wrong; [`Error::Argument`] for columns that do not
@@ -230,11 +230,8 @@ fn scan(
     let mut kept = store.groups().to_vec();
     let mut seen = vec![Vec::new(); used.len()];
     for (number, kept) in kept.iter_mut().enumerate() {
-        let is_needed = |used: &Used| {
-            let may_miss = || store.may_miss(number, used.column.number);
-            used.words.is_some() || drops && may_miss()
-        };
-        let needed: Vec<usize> = (0..used.len()).filter(|&j| is_needed(&used[j])).collect();
+        let is_needed = |&j: &usize| drops || used[j].words.is_some();
+        let needed: Vec<usize> = (0..used.len()).filter(is_needed).collect();
         if needed.is_empty() {
             continue;
         }

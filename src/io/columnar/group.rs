@@ -108,8 +108,8 @@ impl Group {
             Missing::Drop => self.drop_missing(),
             Missing::Error => {
                 for Column { name, cells, .. } in &self.columns {
-                    if let Some(&at) = cells.missing.first() {
-                        let (row, option) = (first + at as usize, option("missing"));
+                    if let Some(at) = cells.values.iter().position(|x| x.is_nan()) {
+                        let (row, option) = (first + at, option("missing"));
                         let what = format!(
                             "a missing value in row {row} of it; {option} says what becomes of \
                              such rows"
@@ -124,15 +124,14 @@ impl Group {
 
     /// Leaves out the rows with missing cells.
     fn drop_missing(&mut self) {
-        if self.columns.iter().all(|column| column.cells.missing.is_empty()) {
-            return;
-        }
         let mut is_kept = vec![true; self.rows];
-        for &at in self.columns.iter().flat_map(|column| &column.cells.missing) {
-            is_kept[at as usize] = false;
+        for column in &self.columns {
+            is_kept.iter_mut().zip(&column.cells.values).for_each(|(kept, x)| *kept &= !x.is_nan());
         }
-        let kept = (0..self.rows as u32).filter(|&at| is_kept[at as usize]);
-        self.kept = Some(kept.collect());
+        if is_kept.contains(&false) {
+            let kept = (0..self.rows as u32).filter(|&at| is_kept[at as usize]);
+            self.kept = Some(kept.collect());
+        }
     }
 
     /// Returns how many of the decoded rows are kept.

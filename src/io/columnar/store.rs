@@ -28,19 +28,15 @@ pub enum Kind {
 pub struct Cells {
     /// Numbers, or numbers of words; NaN where a cell is missing.
     pub values: Vec<f64>,
-    /// The places of the missing cells in `values`, ascending.
-    pub missing: Vec<u32>,
 }
 
 impl Cells {
     pub fn clear(&mut self) {
         self.values.clear();
-        self.missing.clear();
     }
 
     /// Adds a missing cell.
     pub fn miss(&mut self) {
-        self.missing.push(self.values.len() as u32);
         self.values.push(f64::NAN);
     }
 }
@@ -60,9 +56,6 @@ pub trait Store: Send + Sync {
 
     /// What a group is called.
     fn group_name(&self) -> &'static str;
-
-    /// Returns whether a column may have missing cells in a group.
-    fn may_miss(&self, group: usize, field: usize) -> bool;
 
     /// Opens a column of numbers, or one of words with their numbers.
     fn column(

@@ -28,6 +28,7 @@ pub enum Missing {
     /// An error names the first such cell.
     Error,
     /// The row is left out; [`TableReading::dropped_rows`](super::TableReading) counts such rows.
+    /// An array has no missing cells, and is refused.
     Drop,
     /// The cell becomes NaN.
     Nan,

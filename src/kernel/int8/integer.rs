@@ -166,6 +166,12 @@ impl I256 {
         Self::of_bits(self.bits().shifted(bits))
     }
 
+    /// Returns `value 2^bits`, for at most 127 bits.
+    #[inline(always)]
+    pub fn of_shifted(value: i128, bits: u32) -> Self {
+        Self { high: value >> (i128::BITS - 1), low: value as u128 }.shl(bits)
+    }
+
     /// Converts an f64 that is an integer below 2^255 in magnitude, or -2^255.
     fn from_f64(value: f64) -> Self {
         let exponent = ((value.to_bits() >> 52) & 0x7ff) as i32 - 1075;
@@ -317,6 +323,7 @@ mod tests {
             assert_eq!(I256::product(c, d), Some(wide(c * d)));
             let bits = (rng.bits() % 60) as u32;
             assert_eq!(wide(c).shifted_left(bits), Some(wide(c << bits)));
+            assert_eq!(I256::of_shifted(c, bits), wide(c << bits));
             let limbs = [c, d, a >> 90].map(|v| (v >> 12) as i64);
             let limbs = [limbs[0], limbs[1], limbs[2], 0, 0, 0];
             assert_eq!(I256::from_limbs(limbs), wide(i128::from_limbs(limbs)));

@@ -143,11 +143,6 @@ impl Batch {
             _ => Err("fewer columns than the schema has".into()),
         }
     }
-
-    /// Returns the missing cells of the first column after the columns `before`.
-    pub fn nulls<'a>(&self, before: impl Iterator<Item = &'a Extent>) -> Option<usize> {
-        self.nulls.get(before.map(|extent| extent.nodes).sum::<usize>()).copied()
-    }
 }
 
 /// Returns the two numbers of a pair.

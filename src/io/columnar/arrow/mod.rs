@@ -168,13 +168,6 @@ impl Store for ArrowStore {
         "record batch"
     }
 
-    fn may_miss(&self, group: usize, field: usize) -> bool {
-        let is_null = self.columns[field].entry == Some(Entry::Null);
-        // A missing word may also be one of a dictionary.
-        let is_coded = matches!(self.columns[field].entry, Some(Entry::Coded(..)));
-        is_null || is_coded || self.batches[group].nulls(self.before(field)) != Some(0)
-    }
-
     fn column(
         &self,
         group: usize,

@@ -164,20 +164,14 @@ impl Values {
         let Numbers::Coded(numbers) = &self.words else {
             return Err("words without numbers".into());
         };
-        for (at, value) in cells.values.iter_mut().enumerate().skip(start) {
+        for value in &mut cells.values[start..] {
             if value.is_nan() {
                 continue;
             }
             let number = (*value >= 0.0).then(|| numbers.get(*value as usize)).flatten();
-            match number.ok_or("a word that its dictionary does not have")? {
-                Some(number) => *value = words::entry(*number),
-                None => {
-                    *value = f64::NAN;
-                    cells.missing.push(at as u32);
-                }
-            }
+            let number = number.ok_or("a word that its dictionary does not have")?;
+            *value = number.map_or(f64::NAN, words::entry);
         }
-        cells.missing.sort_unstable();
         Ok(())
     }
 

@@ -97,13 +97,6 @@ impl Store for ParquetStore {
         "row group"
     }
 
-    fn may_miss(&self, group: usize, field: usize) -> bool {
-        let Some((leaf, _)) = self.leaves[field] else { return false };
-        let column = self.metadata.row_group(group).column(leaf);
-        let known = column.statistics().and_then(|statistics| statistics.null_count_opt());
-        column.column_descr().max_def_level() > 0 && known != Some(0)
-    }
-
     fn column(
         &self,
         group: usize,

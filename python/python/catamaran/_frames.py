@@ -1,0 +1,85 @@
+"""Data frames of pandas, polars and pyarrow, whose rows become arrays block by block."""
+
+from __future__ import annotations
+
+from typing import Any, Callable, List, NamedTuple, Optional, Tuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+#: What the type of a column of numbers begins with, in polars and in pyarrow.
+NUMBERS = ("bool", "int", "uint", "float", "double", "halffloat", "decimal")
+
+#: Types of single precision, or less.
+SINGLE = ("float", "float32", "halffloat", "float16")
+
+
+class Frame(NamedTuple):
+    """A frame of columns of numbers."""
+
+    #: Rows and columns.
+    shape: Tuple[int, int]
+    #: Whether all columns are in single precision.
+    is_single: bool
+    #: The rows from the first number on, as many as the second one says; NaN for missing entries.
+    rows: Callable[[int, int], NDArray[Any]]
+
+
+def frame_of(name: str, a: Any) -> Optional[Frame]:
+    """Return a frame; None for what is none, and for one that `numpy.asarray` does not copy.
+
+    `name` is that of the argument, in errors.
+    """
+    if hasattr(a, "iloc"):
+        return of_pandas(name, a) if getattr(a, "ndim", 0) == 2 else None
+    if hasattr(a, "__arrow_c_stream__") and not hasattr(a, "slice"):
+        import pyarrow
+
+        a = pyarrow.table(a)
+    if hasattr(a, "get_columns") and hasattr(a, "schema"):
+        types, names = [str(kind).lower() for kind in a.dtypes], a.columns
+    elif hasattr(a, "column_names") and hasattr(a, "schema"):
+        types, names = [str(kind) for kind in a.schema.types], a.column_names
+    else:
+        return None
+    refuse(name, [pair for pair in zip(names, types) if not pair[1].startswith(NUMBERS)])
+
+    def rows(first: int, count: int) -> NDArray[Any]:
+        block = a.slice(first, count)
+        columns = block.get_columns() if hasattr(block, "get_columns") else block.columns
+        return np.column_stack([numbers(column) for column in columns])
+
+    return Frame(a.shape, all(kind in SINGLE for kind in types), rows) if types else None
+
+
+def of_pandas(name: str, a: Any) -> Optional[Frame]:
+    """Return a frame of pandas."""
+    types = list(a.dtypes)
+    if any(kind.kind == "c" for kind in types):
+        return None
+    refuse(name, [pair for pair in zip(a.columns, types) if pair[1].kind not in "biuf"])
+    # The columns of one block are a view.
+    blocks = getattr(getattr(a, "_mgr", None), "nblocks", 0)
+    if not types or blocks == 1 and isinstance(types[0], np.dtype):
+        return None
+
+    def rows(first: int, count: int) -> NDArray[Any]:
+        block = a.iloc[first : first + count]
+        return np.asarray(block.to_numpy(dtype=np.float64, na_value=np.nan))
+
+    is_single = all(kind.kind == "f" and kind.itemsize <= 4 for kind in types)
+    return Frame(a.shape, is_single, rows)
+
+
+def numbers(column: Any) -> NDArray[Any]:
+    """Return a column as numbers; NaN for missing ones."""
+    entries = np.asarray(column)
+    # Truth values and decimals, with None where one is missing.
+    return entries if entries.dtype.kind in "biuf" else entries.astype(np.float64)
+
+
+def refuse(name: str, others: List[Tuple[Any, Any]]) -> None:
+    """Refuse the first column that has no numbers, given by its name and its type."""
+    if others:
+        column, kind = others[0]
+        raise TypeError(f"{name}: column {column} has {kind}, where numbers are needed")

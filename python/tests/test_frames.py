@@ -1,0 +1,83 @@
+"""Data frames, and arrays that only export DLPack."""
+
+from types import SimpleNamespace
+
+import catamaran
+import numpy as np
+import pytest
+
+
+class Table:
+    """What pyarrow's tables have; no array of all rows can be made of it."""
+
+    def __init__(self, columns, sizes=None):
+        self.columns = columns
+        self.column_names = [f"c{j}" for j in range(len(columns))]
+        self.schema = SimpleNamespace(types=[column.dtype for column in columns])
+        self.shape = (len(columns[0]), len(columns))
+        self.sizes = [] if sizes is None else sizes
+
+    def slice(self, first, count):
+        self.sizes.append(count)
+        return Table([column[first : first + count] for column in self.columns], self.sizes)
+
+    def __array__(self, dtype=None, copy=None):
+        raise AssertionError("copied as a whole")
+
+
+class Exported:
+    """An array that only exports DLPack."""
+
+    def __init__(self, array):
+        self.array = array
+
+    def __dlpack__(self, **options):
+        return self.array.__dlpack__(**options)
+
+    def __dlpack_device__(self):
+        return self.array.__dlpack_device__()
+
+
+def test_columns_of_a_frame_become_numbers_block_by_block(rng):
+    m = 400_000
+    columns = [rng.standard_normal(m), rng.integers(0, 9, m), rng.standard_normal(m) < 0.5]
+    a, b, table = np.column_stack(columns).astype(float), rng.standard_normal(m), Table(columns)
+    found, right = catamaran.lstsq(table, b, intercept=True), catamaran.lstsq(a, b, intercept=True)
+    assert np.array_equal(found.x, right.x) and np.array_equal(found.p_values, right.p_values)
+    assert np.array_equal(catamaran.pca(table, 2).components, catamaran.pca(a, 2).components)
+    assert np.array_equal(catamaran.svd(table).s, catamaran.svd(a).s)
+    assert max(table.sizes) < m
+
+
+def test_a_large_frame_is_never_an_array_of_all_rows(rng):
+    m, n = 5000, 2000
+    columns = [rng.integers(-3, 4, m).astype(np.float32) for _ in range(n)]
+    c = catamaran.ata(Table(columns), uplo="lower")
+    assert c.dtype == np.float32 and c[0, 0] == columns[0] @ columns[0]
+    assert c[n - 1, 5] == columns[n - 1] @ columns[5]
+    weights = rng.integers(0, 3, m).astype(float)
+    wide = catamaran.ata(Table(columns[:2] * 1000), weights=weights, dtype=np.float64)
+    assert wide.dtype == np.float64 and wide[1, 0] == (weights * columns[1]) @ columns[0]
+
+
+def test_a_column_without_numbers_is_named():
+    table = Table([np.zeros(3), np.array(["u", "v", "w"])])
+    with pytest.raises(TypeError, match="a: column c1 has <U1, where numbers are needed"):
+        catamaran.pca(table)
+
+
+def test_arrays_that_only_export_dlpack_are_not_copied(rng):
+    a = rng.standard_normal((30, 4))
+    assert np.array_equal(catamaran.ata(Exported(a[::2, 1:])), catamaran.ata(a[::2, 1:]))
+    out = np.zeros((4, 4))
+    with pytest.raises(ValueError, match="out: shares memory"):
+        catamaran.ata(Exported(out), out=out)
+
+
+def test_frames_of_pandas_polars_and_pyarrow_are_rows(rng):
+    x, y = rng.standard_normal(50), rng.integers(0, 9, 50)
+    right = catamaran.pca(np.column_stack([x, y]))
+    for name, make in [("pandas", "DataFrame"), ("polars", "DataFrame"), ("pyarrow", "table")]:
+        module = pytest.importorskip(name)
+        frame = getattr(module, make)({"x": x, "y": y})
+        assert np.array_equal(catamaran.pca(frame).components, right.components), name

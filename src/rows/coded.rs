@@ -1,0 +1,528 @@
+//! Sums of rows of which many columns are the indicators of factors, read as codes: the products of
+//! numbers as a matrix product, all others by adding at the place of a row's level.
+
+use std::ops::Range;
+
+use faer::MatMut;
+
+use super::exact::{ExactSums, first_beyond, is_rounded};
+use super::pass::{Pass, for_each_block_of};
+use super::source::RowBlocks;
+use crate::base::{Error, Real, Result, reserved, triangle_len, triangle_rows, widest};
+use crate::blas::BlasReal;
+use crate::kernel::int8::{I256, Integer};
+use crate::product::AtaOptions;
+
+/// Which columns of a matrix are the indicators of the levels of a factor, so that one code stands
+/// for all of them.
+///
+/// A coded row has the entries of the other columns, in their order, and then for each factor 0 for
+/// the base, k for the k-th column of the factor, or NaN for a missing level: the form in which
+/// [`RowBlocks::read_coded`] returns rows. Sums in extended precision are the same as those of the
+/// whole rows, and take neither their memory nor their time.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Coding {
+    /// Columns of numbers, ascending.
+    numbers: Vec<usize>,
+    /// The columns of each factor, ascending.
+    factors: Vec<Range<usize>>,
+}
+
+impl Coding {
+    /// Creates a coding; every column is one of the numbers, or one of a factor.
+    pub(super) fn new(numbers: Vec<usize>, factors: Vec<Range<usize>>) -> Self {
+        Self { numbers, factors }
+    }
+
+    /// Returns the number of entries of a coded row.
+    pub fn width(&self) -> usize {
+        self.numbers.len() + self.factors.len()
+    }
+
+    /// Returns the columns that are not coded, ascending.
+    pub fn numbers(&self) -> &[usize] {
+        &self.numbers
+    }
+
+    /// Returns the number of columns of the matrix.
+    pub(super) fn ncols(&self) -> usize {
+        self.numbers.len() + self.factors.iter().map(Range::len).sum::<usize>()
+    }
+
+    /// Returns the column of the matrix, or the first one, that entry `at` of a coded row is of.
+    pub(super) fn column(&self, at: usize) -> usize {
+        let factor = || self.factors[at - self.numbers.len()].start;
+        self.numbers.get(at).copied().unwrap_or_else(factor)
+    }
+
+    /// Returns ranges of columns, one after another, each of numbers or of one factor, which is cut
+    /// into so many parts.
+    fn groups(&self, parts: usize) -> Vec<Range<usize>> {
+        /// Columns of numbers that one thread takes: entries of a cache line.
+        const NUMBERS: usize = 8;
+        let (mut groups, mut next) = (Vec::new(), 0);
+        let mut cut = |columns: Range<usize>, most: usize| {
+            let firsts = columns.clone().step_by(most);
+            groups.extend(firsts.map(|first| first..columns.end.min(first + most)));
+        };
+        for factor in &self.factors {
+            cut(next..factor.start, NUMBERS);
+            cut(factor.clone(), factor.len().div_ceil(parts));
+            next = factor.end;
+        }
+        cut(next..self.ncols(), NUMBERS);
+        groups
+    }
+}
+
+/// The coded rows of a source, as rows.
+pub(super) struct CodedRows<'r, T> {
+    rows: &'r mut (dyn RowBlocks<T> + Send),
+    width: usize,
+}
+
+impl<'r, T> CodedRows<'r, T> {
+    /// Creates the rows of a source with this coding.
+    pub fn new(rows: &'r mut (dyn RowBlocks<T> + Send), coding: &Coding) -> Self {
+        Self { rows, width: coding.width() }
+    }
+}
+
+impl<T> RowBlocks<T> for CodedRows<'_, T> {
+    fn nrows(&self) -> usize {
+        self.rows.nrows()
+    }
+
+    fn ncols(&self) -> usize {
+        self.width
+    }
+
+    fn read(&mut self, first: usize, out: MatMut<'_, T>) -> Result<()> {
+        self.rows.read_coded(first, out)
+    }
+}
+
+/// Calls [`for_each_block_of`] with rows, or with their coded form.
+pub(super) fn for_each_block_as<'o, T: BlasReal>(
+    coding: Option<&Coding>,
+    rows: &mut (dyn RowBlocks<T> + Send),
+    weights: Option<&[T]>,
+    height: usize,
+    start: usize,
+    options: &AtaOptions<'o>,
+    work: impl FnMut(usize, &mut [T], Option<&[T]>, &mut Pass<'o>) -> Result<()>,
+) -> Result<()> {
+    match coding {
+        Some(coding) => {
+            let mut rows = CodedRows::new(rows, coding);
+            for_each_block_of(&mut rows, weights, height, start, options, work)
+        }
+        None => for_each_block_of(rows, weights, height, start, options, work),
+    }
+}
+
+/// The place of a base, which has no column.
+const BASE: usize = usize::MAX;
+
+impl<T: BlasReal> ExactSums<T, I256> {
+    /// Adds a block of `count` coded rows, or subtracts it: the sums become what
+    /// [`ExactSums::add`] makes of the whole rows. The entries are overwritten.
+    pub fn add_coded(
+        &mut self,
+        coding: &Coding,
+        count: usize,
+        block: &mut [T],
+        weights: Option<&[T]>,
+        subtract: bool,
+        pass: &mut Pass<'_>,
+    ) -> Result<()> {
+        let (n, width) = (coding.numbers.len(), coding.width());
+        self.check(count, weights, subtract)?;
+        if let Some(at) = block.iter().position(|x| !x.is_finite()) {
+            let index = (at / width, coding.column(at % width));
+            return Err(Error::NonFinite { what: "rows", index });
+        }
+        let places = self.places(coding, block)?;
+        for i in 0..count {
+            block.copy_within(i * width..i * width + n, i * n);
+        }
+        let block = &mut block[..count * n];
+        let mut own = Self::on(self.grid.of_columns(&coding.numbers), 0..n, self.centered)?;
+        // Looks for rounded entries until there is one.
+        own.rounded = self.rounded;
+        own.add(count, block, weights, false, pass).map_err(|error| {
+            let beyond = (n > 0).then(|| first_beyond(block, &own.grid.lower, &own.grid.upper));
+            beyond.flatten().map_or(error, |(j, x)| self.beyond(coding.numbers[j], x))
+        })?;
+
+        let factors = [false, true].map(|side| self.grid.factors(side));
+        let units = factors[0].iter().map(|&factors| integer(T::ONE, factors)).collect();
+        let products = Products { coding, block, places, weights, factors, units, subtract };
+        let (options, ..) = pass.parts();
+        let mut rest = &mut self.entries[..];
+        let groups = coding.groups(options.par.threads()).into_iter().map(|columns| {
+            let len = triangle_len(columns.end) - triangle_len(columns.start);
+            let (entries, others) = std::mem::take(&mut rest).split_at_mut(len);
+            rest = others;
+            (columns, entries)
+        });
+        let groups: Vec<_> = groups.collect();
+        options.on_cores(|| {
+            options.par.for_each(groups.into_iter(), |_, (columns, entries)| {
+                widest(
+                    #[inline(always)]
+                    || products.add(&columns, entries),
+                );
+            });
+        });
+        for (i, row) in triangle_rows(&mut own.entries, 0..n) {
+            let first = triangle_len(coding.numbers[i]);
+            for (&entry, &j) in row.iter().zip(&coding.numbers) {
+                products.add_to(&mut self.entries[first + j], entry);
+            }
+        }
+        let sign = if subtract { -1 } else { 1 };
+        if self.centered {
+            for (&sum, &j) in own.sums.iter().zip(&coding.numbers) {
+                self.sums[j] = self.sums[j].wrapping_add(sign * sum);
+            }
+            products.for_each_level(|i, j| {
+                self.sums[j] = self.sums[j].wrapping_add(sign * products.right(i, T::ONE, j));
+            });
+        }
+        self.rounded |= own.rounded;
+        if !self.rounded {
+            products.for_each_level(|i, j| self.rounded |= products.is_rounded(i, j));
+        }
+        for (weight, own) in self.weights.iter_mut().zip(own.weights) {
+            *weight = weight.wrapping_add(sign * own);
+        }
+        (self.rows, self.weightless) = match subtract {
+            true => (self.rows - own.rows, self.weightless - own.weightless),
+            false => (self.rows + own.rows, self.weightless + own.weightless),
+        };
+        Ok(())
+    }
+
+    /// Returns for each factor the column of the level of each row, or [`BASE`].
+    fn places(&self, coding: &Coding, block: &[T]) -> Result<Vec<Vec<usize>>> {
+        let (n, width) = (coding.numbers.len(), coding.width());
+        let of_factor = |(f, columns): (usize, &Range<usize>)| {
+            let mut places = reserved(block.len() / width)?;
+            for row in block.chunks_exact(width) {
+                let code = row[n + f].to_f64() as usize;
+                if code > columns.len() {
+                    let why = format!("code {code} of a factor of {} columns", columns.len());
+                    return Err(Error::Argument { what: "rows", why });
+                }
+                let place = if code == 0 { BASE } else { columns.start + code - 1 };
+                if code > 0 && self.grid.upper[place] < T::ONE {
+                    return Err(self.beyond(place, 1.0));
+                }
+                places.push(place);
+            }
+            Ok(places)
+        };
+        coding.factors.iter().enumerate().map(of_factor).collect()
+    }
+}
+
+/// The products of a block that a factor is part of.
+struct Products<'b, T> {
+    coding: &'b Coding,
+    /// The numbers of the rows, row after row.
+    block: &'b [T],
+    /// For each factor the column of the level of each row, or [`BASE`].
+    places: Vec<Vec<usize>>,
+    weights: Option<&'b [T]>,
+    /// What entries are multiplied by on the left and the right side, as in a grid.
+    factors: [Vec<[f64; 2]>; 2],
+    /// What 1 becomes in each column on the left side: a power of two, or zero.
+    units: Vec<i128>,
+    subtract: bool,
+}
+
+impl<T: BlasReal> Products<'_, T> {
+    /// Adds to rows of the triangle, those of some numbers or of some levels of a factor.
+    #[inline(always)]
+    fn add(&self, columns: &Range<usize>, entries: &mut [I256]) {
+        let of = |factor: &Range<usize>| factor.contains(&columns.start);
+        match self.coding.factors.iter().position(of) {
+            Some(factor) => self.add_levels(factor, columns, entries),
+            None => self.add_numbers(columns, entries),
+        }
+    }
+
+    /// Adds products of levels with the numbers and levels of columns before them.
+    #[inline(always)]
+    fn add_levels(&self, factor: usize, columns: &Range<usize>, entries: &mut [I256]) {
+        let (n, first) = (self.coding.numbers.len(), triangle_len(columns.start));
+        let before = self.coding.numbers.partition_point(|&j| j < columns.start);
+        let numbers = &self.coding.numbers[..before];
+        for (i, &k) in self.places[factor].iter().enumerate() {
+            if !columns.contains(&k) {
+                continue;
+            }
+            let row = &mut entries[triangle_len(k) - first..][..=k];
+            let unit = self.units[k];
+            for (&x, &j) in self.block[i * n..].iter().zip(numbers) {
+                self.add_to(&mut row[j], times(unit, self.right(i, x, j)));
+            }
+            for places in &self.places[..=factor] {
+                if let Some(entry) = row.get_mut(places[i]) {
+                    self.add_to(entry, times(unit, self.right(i, T::ONE, places[i])));
+                }
+            }
+        }
+    }
+
+    /// Adds products of numbers with levels of columns before them.
+    #[inline(always)]
+    fn add_numbers(&self, columns: &Range<usize>, entries: &mut [I256]) {
+        let (n, first) = (self.coding.numbers.len(), triangle_len(columns.start));
+        let skipped = self.coding.numbers.partition_point(|&j| j < columns.start);
+        let count = self.coding.factors.partition_point(|factor| factor.start < columns.start);
+        let places = &self.places[..count];
+        if places.is_empty() {
+            return;
+        }
+        for (i, row) in self.block.chunks_exact(n).enumerate() {
+            for (&x, j) in row[skipped..].iter().zip(columns.clone()) {
+                let left = integer(x, self.factors[0][j]);
+                let row = &mut entries[triangle_len(j) - first..][..=j];
+                for places in places {
+                    let Some(entry) = row.get_mut(places[i]) else { continue };
+                    let right = self.right(i, T::ONE, places[i]);
+                    // Both have fewer bits than half of the sum.
+                    self.add_to(entry, I256::product(left, right).unwrap_or_default());
+                }
+            }
+        }
+    }
+
+    /// Calls `work` with each row and the column of each of its levels.
+    fn for_each_level(&self, mut work: impl FnMut(usize, usize)) {
+        for places in &self.places {
+            let levels = places.iter().enumerate().filter(|&(_, &j)| j != BASE);
+            levels.for_each(|(i, &j)| work(i, j));
+        }
+    }
+
+    /// Returns the integer that the entry x of row i becomes in column j on the right side.
+    #[inline(always)]
+    fn right(&self, i: usize, x: T, j: usize) -> i128 {
+        let factors = self.factors[1][j];
+        let Some(weights) = self.weights else { return integer(x, factors) };
+        let product = weights[i] * x;
+        let rest = weights[i].to_f64().mul_add(x.to_f64(), -product.to_f64());
+        integer(product, factors) + integer(T::from_f64(rest), factors)
+    }
+
+    /// Returns whether the indicator of row i in column j is not on the grid.
+    fn is_rounded(&self, i: usize, j: usize) -> bool {
+        let weight = self.weights.map_or(T::ONE, |weights| weights[i]);
+        is_rounded(&[T::ONE], &self.factors[0][j..=j])
+            || is_rounded(&[weight], &self.factors[1][j..=j])
+    }
+
+    /// Adds a term to a sum, or subtracts it.
+    #[inline(always)]
+    fn add_to(&self, sum: &mut I256, term: I256) {
+        *sum = sum.plus(if self.subtract { term.negated() } else { term });
+    }
+}
+
+/// Returns the integer that an entry becomes.
+#[inline(always)]
+fn integer<T: Real>(x: T, [first, second]: [f64; 2]) -> i128 {
+    (x.to_f64() * first * second).round_ties_even() as i128
+}
+
+/// Returns `unit value`, for a unit that is a power of two or zero.
+#[inline(always)]
+fn times(unit: i128, value: i128) -> I256 {
+    match unit {
+        0 => I256::default(),
+        _ => I256::of_shifted(value, unit.trailing_zeros()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use faer::Mat;
+
+    use super::*;
+    use crate::base::{Par, Rng};
+    use crate::rows::{
+        Accumulator, Center, DenseRows, Design, DesignColumn, DesignRows, ExtendedGram, Factor,
+        RowBounds, RowOptions, ata_extended,
+    };
+
+    /// Rows that can be read as codes only.
+    struct CodesOnly<'r>(DesignRows<'r>);
+
+    impl RowBlocks<f64> for CodesOnly<'_> {
+        fn nrows(&self) -> usize {
+            self.0.nrows()
+        }
+
+        fn ncols(&self) -> usize {
+            self.0.ncols()
+        }
+
+        fn read(&mut self, _: usize, _: MatMut<'_, f64>) -> Result<()> {
+            panic!("whole rows are read")
+        }
+
+        fn coding(&self) -> Option<Coding> {
+            self.0.coding()
+        }
+
+        fn read_coded(&mut self, first: usize, out: MatMut<'_, f64>) -> Result<()> {
+            self.0.read_coded(first, out)
+        }
+    }
+
+    const ROWS: usize = 700;
+
+    /// Returns rows of numbers, and in columns 1, 3 and 4 of codes of 50, 40 and 3 levels.
+    fn table() -> Mat<f64> {
+        let mut rng = Rng::new(5);
+        Mat::from_fn(ROWS, 6, |i, j| match j {
+            1 => (i * 7 % 50) as f64,
+            3 => (i / 3 % 40) as f64,
+            4 => (i % 3) as f64,
+            _ => rng.uniform() - 0.3,
+        })
+    }
+
+    fn design() -> Design {
+        let factor = |j: usize, count: usize| {
+            let levels = (0..count).map(|k| k.to_string()).collect();
+            DesignColumn::Indicators(j, Factor::in_order(format!("f{j}"), levels).unwrap())
+        };
+        let column = |j: usize| match j {
+            1 => factor(j, 50),
+            3 => factor(j, 40),
+            4 => factor(j, 3),
+            _ => DesignColumn::Numbers(j),
+        };
+        Design::new((0..6).map(column).collect())
+    }
+
+    /// Returns the whole rows.
+    fn whole(design: &Design, table: &Mat<f64>) -> Mat<f64> {
+        let mut table = DenseRows(table.as_ref());
+        let mut rows = design.rows(&mut table).unwrap();
+        let mut all = Mat::zeros(rows.nrows(), rows.ncols());
+        rows.read(0, all.as_mut()).unwrap();
+        all
+    }
+
+    fn assert_same(found: &ExtendedGram, right: &ExtendedGram) {
+        let about = |gram: &ExtendedGram| {
+            let counts = (gram.n(), gram.rows(), gram.observations(), gram.is_exact());
+            (counts, gram.weight(), gram.mean().to_vec())
+        };
+        assert_eq!(about(found), about(right));
+        for i in 0..found.n() {
+            for j in 0..=i {
+                let [found, right] = [found, right].map(|g| g.entry(i, j).map(f64::to_bits));
+                assert_eq!(found, right, "({i}, {j})");
+            }
+        }
+    }
+
+    #[test]
+    fn sums_of_codes_have_the_bits_of_those_of_whole_rows() {
+        let (table, design) = (table(), design().without_rows(vec![5, 6, 699]));
+        let all = whole(&design, &table);
+        let mut rng = Rng::new(6);
+        let of_row = |i: usize| if i.is_multiple_of(9) { 0.0 } else { rng.uniform() };
+        let plain: Vec<f64> = (0..all.nrows()).map(of_row).collect();
+        // Weights of many sizes are rounded, which is known afterwards.
+        let sized = plain.iter().enumerate().map(|(i, w)| w * 2f64.powi(-(i as i32 % 90)));
+        let sized: Vec<f64> = sized.collect();
+        for weights in [None, Some(&plain[..]), Some(&sized[..])] {
+            for center in [Center::No, Center::Mean] {
+                let row_options = RowOptions::new().weights(weights).center(center);
+                let options = AtaOptions::new().par(Par::Seq);
+                let rows = &mut DenseRows(all.as_ref());
+                let right = ata_extended(rows, &row_options, &options).unwrap();
+                for par in [Par::Seq, Par::Threads(3)] {
+                    let mut table = DenseRows(table.as_ref());
+                    let mut rows = CodesOnly(design.rows(&mut table).unwrap());
+                    let options = AtaOptions::new().par(par);
+                    let found = ata_extended(&mut rows, &row_options, &options).unwrap();
+                    assert_same(&found, &right);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn codes_are_removed_and_merged_exactly() {
+        let (table, design, options) = (table(), design(), AtaOptions::new());
+        let all = whole(&design, &table);
+        let bounds =
+            RowBounds::<f64>::of(&mut DenseRows(all.as_ref()), None, 64, &options).unwrap();
+        let of_table =
+            RowBounds::<f64>::of(&mut DenseRows(table.as_ref()), None, 64, &options).unwrap();
+        assert_eq!(design.bounds(&of_table).unwrap(), bounds);
+        let new = || Accumulator::extended(&bounds, true).unwrap();
+        let (mut both, mut first, mut last, mut right) = (new(), new(), new(), new());
+        let change = |sum: &mut Accumulator<f64>, start: usize, count: usize, remove: bool| {
+            let mut part = DenseRows(table.as_ref().subrows(start, count));
+            let mut rows = CodesOnly(design.rows(&mut part).unwrap());
+            match remove {
+                true => sum.remove_rows(&mut rows, None, &options).unwrap(),
+                false => sum.add_rows(&mut rows, None, &options).unwrap(),
+            }
+        };
+        change(&mut both, 0, ROWS, false);
+        change(&mut both, 0, 300, true);
+        right.add_block(all.as_ref().subrows(300, ROWS - 300), None, &options).unwrap();
+        assert_same(
+            &both.finish_extended(Par::Seq).unwrap(),
+            &right.try_clone().unwrap().finish_extended(Par::Seq).unwrap(),
+        );
+        change(&mut first, 0, 300, false);
+        change(&mut last, 300, ROWS - 300, false);
+        first.merge(last).unwrap();
+        right.add_block(all.as_ref().subrows(0, 300), None, &options).unwrap();
+        assert_same(
+            &first.finish_extended(Par::Seq).unwrap(),
+            &right.finish_extended(Par::Seq).unwrap(),
+        );
+    }
+
+    #[test]
+    fn what_is_not_finite_is_named_by_its_column_of_the_matrix() {
+        let (design, options) = (design(), AtaOptions::new());
+        // Columns: a number, 49 of factor 1, a number, 39 of factor 3, 2 of factor 4, a number.
+        for (column, named) in [(0, 0), (1, 1), (2, 50), (3, 51), (4, 90), (5, 92)] {
+            let mut table = table();
+            table[(17, column)] = f64::NAN;
+            let mut table = DenseRows(table.as_ref());
+            let mut rows = CodesOnly(design.rows(&mut table).unwrap());
+            let refused = ata_extended(&mut rows, &RowOptions::<f64>::new(), &options);
+            let expected = Error::NonFinite { what: "rows", index: (17, named) };
+            assert_eq!(refused.unwrap_err(), expected);
+        }
+    }
+
+    #[test]
+    fn what_is_beyond_its_bounds_is_named_by_its_column_of_the_matrix() {
+        let (mut table, design, options) = (table(), design(), AtaOptions::new());
+        let all = whole(&design, &table);
+        let bounds =
+            RowBounds::<f64>::of(&mut DenseRows(all.as_ref()), None, 64, &options).unwrap();
+        let mut sum = Accumulator::extended(&bounds, false).unwrap();
+        table[(17, 2)] = 5.0;
+        let mut part = DenseRows(table.as_ref());
+        let mut rows = CodesOnly(design.rows(&mut part).unwrap());
+        let refused = sum.add_rows(&mut rows, None, &options).unwrap_err().to_string();
+        assert!(refused.starts_with("rows: 5 in column 50 is beyond its bounds"), "{refused}");
+        assert_eq!(sum.rows(), 0);
+    }
+}
