@@ -313,6 +313,17 @@ fn names_may_have_separators() {
 }
 
 #[test]
+fn quoted_words_may_be_more_than_numbers() {
+    // write.csv of R's warpbreaks, and of a table with a word of several words.
+    let text = "\"\",\"breaks\",\"wool\",\"tension\"\n\"1\",26,\"A\",\"L\"\n\"2\",30,\"B\",\"M\"\n";
+    let reading = check(text, &auto(), &[&[26.0], &[30.0]], &["breaks"]);
+    assert!(reading.index);
+    assert_eq!(reading.left_out, ["wool", "tension"]);
+    let text = "\"wool\",\"place\",\"breaks\"\n\"A\",\"New York\",26\n\"B\",\"Ulm\",30\n";
+    check(text, &auto(), &[&[26.0], &[30.0]], &["breaks"]);
+}
+
+#[test]
 fn text_in_other_encodings_is_read() {
     let utf16 = |text: &str| -> Vec<u8> {
         [0xfeff].into_iter().chain(text.encode_utf16()).flat_map(u16::to_le_bytes).collect()
