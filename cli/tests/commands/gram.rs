@@ -287,6 +287,50 @@ fn factors_have_the_coefficients_of_r_and_predict_by_their_levels() {
     }
 }
 
+/// Tables as R's `write.csv` writes its data sets, and what 60 digits give: set, term, and three
+/// numbers of each (`scripts/differential-statistics --expected`).
+const AIRQUALITY: &str = include_str!("../../../tests/common/tables/airquality.csv");
+const TOOTH_GROWTH: &str = include_str!("../../../tests/common/tables/ToothGrowth.csv");
+const WARPBREAKS: &str = include_str!("../../../tests/common/tables/warpbreaks.csv");
+const EXPECTED: &str = include_str!("../../../tests/common/tables/expected.csv");
+
+#[test]
+fn tables_of_r_have_the_statistics_of_multiprecision_by_one_command() {
+    let folder = Folder::new();
+    let columns = "--columns Ozone,Solar.R,Wind,Temp,Month --missing drop";
+    for (set, text, options, left_out) in [
+        ("airquality", AIRQUALITY, format!("Ozone --factor Month {columns}"), 42),
+        ("ToothGrowth", TOOTH_GROWTH, "len --factor supp=VC --factor dose".into(), 0),
+        ("warpbreaks", WARPBREAKS, "breaks --factor wool --factor tension=L".into(), 0),
+    ] {
+        folder.write(&format!("{set}.csv"), text);
+        let output = format!("{set}.json");
+        folder.succeed(&format!("lstsq {set}.csv --intercept --by-column {options} -o {output}"));
+        let json = fs::read_to_string(folder.path(&output)).unwrap();
+        let found: Value = serde_json::from_str(&json).unwrap();
+        assert_eq!(found["left_out"], json!(left_out), "{set}");
+        let columns = found["columns"].as_array().unwrap();
+        let target = &found["targets"][0];
+        let number = |value: &Value| value.as_f64().unwrap();
+        let of_set = |line: &'static str| line.strip_prefix(set)?.strip_prefix(',');
+        let mut terms = 0;
+        for line in EXPECTED.lines().filter_map(of_set) {
+            let (term, right) = line.split_once(',').unwrap();
+            let right: Vec<f64> = right.split(',').map(|x| x.parse().unwrap()).collect();
+            let found = match columns.iter().position(|column| column == term) {
+                Some(j) => ["x", "standard_error", "p"].map(|name| number(&target[name][j])),
+                None if term == "F" => {
+                    ["r_squared", "f_statistic", "f_p"].map(|name| number(&target[name]))
+                }
+                None => ["", "_error", "_p"].map(|end| number(&target[format!("intercept{end}")])),
+            };
+            assert_close(&found, &right, 1e-12);
+            terms += 1;
+        }
+        assert_eq!(terms, columns.len() + 2, "{set}");
+    }
+}
+
 #[test]
 fn rows_with_missing_values_are_left_out_on_request_and_counted() {
     let folder = Folder::new();
