@@ -7,9 +7,9 @@ write <- function(fit, path) {
     f <- found$fstatistic
     kinds <- list(
         values = coef(found)[, 1], errors = coef(found)[, 2], t = coef(found)[, 3],
-        p = coef(found)[, 4], ends = t(confint(fit)), covariance = t(vcov(fit)),
-        summary = c(found$r.squared, found$adj.r.squared, f[1],
-            pf(f[1], f[2], f[3], lower.tail = FALSE), found$sigma)
+        p = c(coef(found)[, 4], pf(f[1], f[2], f[3], lower.tail = FALSE)),
+        ends = t(confint(fit)), covariance = vcov(fit),
+        summary = c(found$r.squared, found$adj.r.squared, f[1], found$sigma)
     )
     line <- function(kind) paste(c(kind, sprintf("%.17g", kinds[[kind]])), collapse = ",")
     names <- paste(c("names", names(coef(fit))), collapse = ",")

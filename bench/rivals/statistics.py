@@ -25,7 +25,7 @@ CONFIDENCE = 0.95
 # Correct digits that count: those of a number in double precision.
 MOST = 15
 # What `Fit.summary` has, by the names that ours gives it.
-SUMMARY = ["r_squared", "adjusted_r_squared", "f_statistic", "f_p", "residual_deviation"]
+SUMMARY = ["r_squared", "adjusted_r_squared", "f_statistic", "residual_deviation"]
 
 
 class Set(NamedTuple):
@@ -81,6 +81,7 @@ class Fit(NamedTuple):
     values: list
     errors: list
     t: list
+    # That of F comes last.
     p: list
     ends: list
     covariance: list
@@ -161,10 +162,10 @@ def exact(problem, intercept):
         list(x),
         errors,
         t,
-        [tail(value * value, 1, freedom) for value in t],
+        [*(tail(value * value, 1, freedom) for value in t), tail(f, regressors, freedom)],
         [x[j] + sign * width * errors[j] for j in range(n) for sign in (-1, 1)],
         list(covariance),
-        [1 - square / total, adjusted, f, tail(f, regressors, freedom), deviation],
+        [1 - square / total, adjusted, f, deviation],
     )
 
 
@@ -173,8 +174,9 @@ def of_statsmodels(problem):
     import statsmodels.api as sm
 
     fit = sm.OLS(np.array(problem.target), np.array(problem.columns).T).fit()
-    summary = [fit.rsquared, fit.rsquared_adj, fit.fvalue, fit.f_pvalue, fit.scale**0.5]
-    kinds = [fit.params, fit.bse, fit.tvalues, fit.pvalues, fit.conf_int(1 - CONFIDENCE)]
+    summary = [fit.rsquared, fit.rsquared_adj, fit.fvalue, fit.scale**0.5]
+    p = [*fit.pvalues, fit.f_pvalue]
+    kinds = [fit.params, fit.bse, fit.tvalues, p, fit.conf_int(1 - CONFIDENCE)]
     return Fit(*(np.ravel(kind).tolist() for kind in (*kinds, fit.cov_params(), summary)))
 
 
@@ -219,7 +221,7 @@ def of_ours(program, each, path, problem, output):
         first("intercept") + target["x"],
         first("intercept_error") + target["standard_error"],
         first("intercept_t") + target["t"],
-        first("intercept_p") + target["p"],
+        first("intercept_p") + target["p"] + [target["f_p"]],
         np.transpose(ends).ravel().tolist(),
         np.ravel(target["covariance"]).tolist(),
         [target[name] for name in SUMMARY],
@@ -255,9 +257,9 @@ def expected():
             continue
         problem = problem_of(each, TABLES / f"{each.name}.csv")
         fit = exact(problem, each.intercept)
-        r_squared, _, f, p, _ = fit.summary
+        r_squared, _, f, _ = fit.summary
         terms = zip(problem.names, fit.values, fit.errors, fit.p)
-        for term, *numbers in [*terms, ("F", r_squared, f, p)]:
+        for term, *numbers in [*terms, ("F", r_squared, f, fit.p[-1])]:
             lines.append([each.name, term, *(repr(float(x)) for x in numbers)])
     write(EXPECTED, lines)
 
