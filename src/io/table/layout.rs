@@ -412,9 +412,8 @@ impl Found<'_> {
 
     /// Returns whether each field of the first row is in quotes, and no other row is like that.
     fn only_first_is_quoted(&self) -> bool {
-        let is_quoted = |row: &SampleRow| row.quotes >= 2 * row.fields.len();
         let rows = &self.sample.rows;
-        is_quoted(&rows[0]) && !rows[1..].iter().any(is_quoted)
+        rows[0].is_quoted() && !rows[1..].iter().any(SampleRow::is_quoted)
     }
 
     fn without(&self, len: usize, ncells: usize) -> Result<Header> {
@@ -540,7 +539,10 @@ impl Found<'_> {
 
     /// Returns whether the first column, which has no name, is an index.
     fn is_index(&self, width: usize) -> Result<bool> {
-        if self.is_counted(width) || self.kind(1, width, 0) == Kind::Words {
+        // R writes names of rows, which may be numbers, in quotes.
+        let is_name = |row: &SampleRow| row.begins_quoted && !row.is_quoted();
+        let is_words = self.kind(1, width, 0) == Kind::Words;
+        if is_words || self.is_counted(width) || self.rows(1, width).all(is_name) {
             return Ok(true);
         }
         let (index, skip) = (option("index"), option("skip"));

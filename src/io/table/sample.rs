@@ -18,6 +18,15 @@ pub(super) struct SampleRow {
     pub fields: Vec<Vec<u8>>,
     /// Quotes in the text of the record.
     pub quotes: usize,
+    /// Whether it begins with one of them.
+    pub begins_quoted: bool,
+}
+
+impl SampleRow {
+    /// Returns whether each of its fields is in quotes.
+    pub fn is_quoted(&self) -> bool {
+        self.quotes >= 2 * self.fields.len()
+    }
 }
 
 /// The records at the beginning of a table.
@@ -74,7 +83,9 @@ pub(super) fn divide(text: &[u8], syntax: Syntax, is_last: bool, mut line: usize
                 let fields = (0..splitter.len()).map(|j| splitter.field(rest, j).to_vec());
                 let (start, end) = (at, at + bytes);
                 let quotes = memchr::memchr_iter(b'"', &rest[..bytes]).count();
-                rows.push(SampleRow { line, start, end, fields: fields.collect(), quotes });
+                let begins_quoted = rest.trim_ascii_start().first() == Some(&b'"');
+                let fields = fields.collect();
+                rows.push(SampleRow { line, start, end, fields, quotes, begins_quoted });
             }
         }
         line += memchr::memchr_iter(syntax.line_end, &rest[..bytes]).count();

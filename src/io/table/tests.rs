@@ -158,6 +158,7 @@ fn row_numbers_are_left_out() {
     for text in [
         "\"x\" \"y\"\n\"1\" 1.5 2\n\"2\" 3.5 5\n",
         "\"x\" \"y\"\n\"a b\" 1.5 2\n\"c\" 3.5 5\n",
+        "\"x\" \"y\"\n\"1947\" 1.5 2\n\"1949\" 3.5 5\n",
         "\"\",\"x\",\"y\"\n\"1\",1.5,2\n\"2\",3.5,5\n",
         ",x,y\n0,1.5,2\n7,3.5,5\n",
     ] {
@@ -168,7 +169,10 @@ fn row_numbers_are_left_out() {
     let index = |index| options(TableOptions::new().index(index));
     check(text, &index(false), &[&[0.0, 1.5], &[7.0, 3.5]], &["", "x"]);
     check("i,x\n0,1.5\n7,3.5\n", &index(true), &[&[1.5], &[3.5]], &["x"]);
-    refused("x,y\n5,1.5,2\n9,3.5,5\n", &auto(), 1, &["`index`", "`skip`"]);
+    let all_quoted = "\"x\",\"y\"\n\"5\",\"1.5\",\"2\"\n\"9\",\"3.5\",\"5\"\n";
+    for text in ["x,y\n5,1.5,2\n9,3.5,5\n", all_quoted] {
+        refused(text, &auto(), 1, &["`index`", "`skip`"]);
+    }
 }
 
 #[test]
