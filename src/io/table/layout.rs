@@ -181,7 +181,7 @@ impl Found<'_> {
     }
 
     /// Returns whether the rows below a header of one name are pairs between commas that are
-    /// numbers with a decimal comma.
+    /// numbers with a decimal comma, or single numbers and missing cells.
     ///
     /// # Errors
     /// They may also be row numbers and numbers.
@@ -190,12 +190,14 @@ impl Found<'_> {
             [first, rest @ ..] if !rest.is_empty() => (first, rest),
             _ => return Ok(false),
         };
-        let is_pair = |row: &SampleRow| {
-            row.fields.len() == 2 && number::parse(&row.fields.join(&b','), NOTATIONS[1]).is_some()
+        let is_number = |row: &SampleRow| match &row.fields[..] {
+            [field] => self.cell(field) != Cell::Word,
+            [_, _] => number::parse(&row.fields.join(&b','), NOTATIONS[1]).is_some(),
+            _ => false,
         };
         let is_name = first.fields.len() == 1 && self.cell(&first.fields[0]) == Cell::Word;
         let comma = Between::Byte(b',');
-        if self.syntax.between != comma || !is_name || !rest.iter().all(is_pair) {
+        if self.syntax.between != comma || !is_name || !rest.iter().all(is_number) {
             return Ok(false);
         }
         if self.options.index == Some(true) || self.options.decimal.is_some() {
@@ -444,12 +446,12 @@ impl Found<'_> {
     }
 
     /// Returns whether the numbers of the first row increase, and each is far from the other
-    /// numbers of its column: [`FAR`] times farther than these are from each other, or than a
-    /// single one is from 0. Numbers of three digits or more with equal steps, as years and
-    /// wavelengths, need only be outside of the range, and so do numbers that would all be there by
-    /// a small chance ([`CHANCE`]) if they were data: the first of m numbers is the least or the
-    /// greatest in 2 of m cases, unless the column is sorted. Without a word beside them they must
-    /// be integers.
+    /// numbers of its column, if there are any: [`FAR`] times farther than these are from each
+    /// other, or than a single one is from 0. Numbers of three digits or more with equal steps, as
+    /// years and wavelengths, need only be outside of the range, and so do numbers that would all
+    /// be there by a small chance ([`CHANCE`]) if they were data: the first of m numbers is the
+    /// least or the greatest in 2 of m cases, unless the column is sorted. Without a word beside
+    /// them they must be integers.
     fn may_be_names(&self, cells: &[Cell], width: usize, must_be_integers: bool) -> bool {
         let far = if self.is_regular(width) { 0.0 } else { FAR };
         let (mut last, mut is_far, mut chance) = (f64::NEG_INFINITY, true, 1.0);
@@ -458,6 +460,8 @@ impl Found<'_> {
             match cell {
                 Cell::Number(_) => {}
                 Cell::Word if !must_be_integers => continue,
+                // An index has no name.
+                Cell::Missing if !must_be_integers && j == 0 => continue,
                 _ => return false,
             }
             if must_be_integers && !field.iter().all(u8::is_ascii_digit) {
@@ -468,7 +472,11 @@ impl Found<'_> {
                 self.rows(1, width).filter_map(|row| any_reading(&row.fields[j])).collect();
             let low = others.iter().copied().fold(f64::INFINITY, f64::min);
             let high = others.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            let reach = if others.len() > 1 { far * (high - low) } else { high.abs() };
+            let reach = match others.len() {
+                0 if !must_be_integers => 0.0,
+                0 | 1 => high.abs(),
+                _ => far * (high - low),
+            };
             let is_outside = |reach: f64| low - value > reach || value - high > reach;
             if value <= last || !is_outside(0.0) {
                 return false;

@@ -142,6 +142,14 @@ fn a_word_makes_a_header_of_years() {
     );
     let by_hand = "Country,1990,1991\nAT,1,2\nDE,3,4\n";
     check(by_hand, &auto(), &[&[1.0, 2.0], &[3.0, 4.0]], &["1990", "1991"]);
+    // Words above words, an index without a name, a year without numbers.
+    let nan = options(TableOptions::new().missing(Missing::Nan));
+    let rows: &[&[f64]] = &[&[1.0, 2.0, f64::NAN], &[3.0, 4.0, f64::NAN]];
+    for text in
+        ["name,1990,1991,1992\nAT,1,2,\nDE,3,4,\n", ",name,1990,1991,1992\n0,AT,1,2,\n1,DE,3,4,\n"]
+    {
+        check(text, &nan, rows, &["1990", "1991", "1992"]);
+    }
 }
 
 #[test]
@@ -252,6 +260,9 @@ fn other_notations_are_read_when_the_file_decides() {
     check("sep=;\nx;y\n1;2\n", &auto(), &[&[1.0, 2.0]], &["x", "y"]);
     check("1e5,2E-1\n3d2,4\n", &auto(), &[&[1e5, 0.2], &[300.0, 4.0]], &[]);
     check("x\n0,5\n2,25\n", &auto(), &[&[0.5], &[2.25]], &["x"]);
+    let nan = options(TableOptions::new().missing(Missing::Nan));
+    let rows: &[&[f64]] = &[&[6.5], &[2.25], &[0.5], &[f64::NAN], &[7.0]];
+    check("x\n6,5\n2,25\n0,5\n\"\"\n7\n", &nan, rows, &["x"]);
     refused("x\n1,5\n2,25\n", &auto(), 2, &["`index`", "`decimal`"]);
     refused("x\n5,000\n2,500\n", &auto(), 2, &["\"5,000\" is 5 with", "5000", "`thousands`"]);
     check("x\n1,5\n2,25\n", &options(TableOptions::new().decimal(',')), &[&[1.5], &[2.25]], &["x"]);
