@@ -743,6 +743,7 @@ fn guide_folder() -> Folder {
     let weights: Vec<f64> = (0..m).map(|i| (i % 4) as f64).collect();
     folder.write_npy("w.npy", &[m as u64], &weights);
     folder.write("cars.csv", MTCARS);
+    folder.write("airquality.csv", AIRQUALITY);
     folder
 }
 
