@@ -334,6 +334,9 @@ fn quoted_words_may_be_more_than_numbers() {
     let reading = check(text, &auto(), &[&[26.0], &[30.0]], &["breaks"]);
     assert!(reading.index);
     assert_eq!(reading.left_out, ["wool", "tension"]);
+    // write.table with decimal commas.
+    let text = "\"k\" \"x\" \"y\"\n\"a b\" \"c d\" 66 94,25\n\"e f\" \"g\" 17 2,5\n";
+    check(text, &auto(), &[&[66.0, 94.25], &[17.0, 2.5]], &["x", "y"]);
     let text = "\"wool\",\"place\",\"breaks\"\n\"A\",\"New York\",26\n\"B\",\"Ulm\",30\n";
     check(text, &auto(), &[&[26.0], &[30.0]], &["breaks"]);
 }
