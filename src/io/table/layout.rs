@@ -321,6 +321,7 @@ impl Found<'_> {
             skipped_lines: 0,
             index: index && self.columns.is_all(),
             trailing_separator: trailing,
+            has_commented_rows: self.has_commented_rows(&kinds),
             left_out,
             columns,
             dropped_rows: 0,
@@ -576,17 +577,29 @@ impl Found<'_> {
     /// Returns the names in the comment before the first row, as `numpy.savetxt` writes them: a
     /// word for each column.
     fn comment_names(&self, ncells: usize) -> Vec<String> {
-        let Some(comment) = &self.sample.comment else { return Vec::new() };
-        let is_sign = |byte: &u8| *byte == self.syntax.comment || byte.is_ascii_whitespace();
-        let start = comment.iter().position(|byte| !is_sign(byte)).unwrap_or(comment.len());
-        let divided = divide(&comment[start..], self.syntax, true, 1);
-        let Some(row) = divided.rows.first().filter(|row| row.fields.len() == ncells) else {
-            return Vec::new();
+        let fields = self.sample.comment.as_ref().and_then(|line| self.in_comment(line, ncells));
+        let words = fields.filter(|fields| fields.iter().all(|f| self.cell(f) == Cell::Word));
+        let names = words.iter().flatten();
+        names.map(|field| encoding::text(field).into_owned()).collect()
+    }
+
+    /// Returns whether there are comments that would be rows without the sign of comments.
+    fn has_commented_rows(&self, kinds: &[Kind]) -> bool {
+        let is_row = |line: &Vec<u8>| {
+            let fits =
+                |(kind, f): (&Kind, &Vec<u8>)| *kind == Kind::Words || self.cell(f) != Cell::Word;
+            let fields = self.in_comment(line, kinds.len());
+            kinds.len() > 1 && fields.is_some_and(|fields| kinds.iter().zip(&fields).all(fits))
         };
-        if !row.fields.iter().all(|field| self.cell(field) == Cell::Word) {
-            return Vec::new();
-        }
-        row.fields.iter().map(|field| encoding::text(field).into_owned()).collect()
+        self.sample.later_comments.iter().any(is_row)
+    }
+
+    /// Returns the fields of a comment if there are as many as columns.
+    fn in_comment(&self, line: &[u8], ncells: usize) -> Option<Vec<Vec<u8>>> {
+        let is_sign = |byte: &u8| *byte == self.syntax.comment || byte.is_ascii_whitespace();
+        let start = line.iter().position(|byte| !is_sign(byte)).unwrap_or(line.len());
+        let row = divide(&line[start..], self.syntax, true, 1).rows.into_iter().next()?;
+        (row.fields.len() == ncells).then_some(row.fields)
     }
 
     /// Returns the columns that are used, in order, and the names of those of words that are left

@@ -35,6 +35,8 @@ pub(super) struct Sample {
     pub rows: Vec<SampleRow>,
     /// The comment before the first record.
     pub comment: Option<Vec<u8>>,
+    /// The comments after it.
+    pub later_comments: Vec<Vec<u8>>,
     /// The line behind the last one that was looked at.
     pub next_line: usize,
 }
@@ -70,7 +72,7 @@ impl Cell {
 /// Divides a text, which begins with line `line`, into records.
 pub(super) fn divide(text: &[u8], syntax: Syntax, is_last: bool, mut line: usize) -> Sample {
     let mut splitter = Splitter::new(syntax);
-    let (mut rows, mut comment, mut at) = (Vec::new(), None, 0);
+    let (mut rows, mut comment, mut later_comments, mut at) = (Vec::new(), None, Vec::new(), 0);
     while rows.len() < MOST && at < text.len() {
         let rest = &text[at..];
         let (found, bytes) = splitter.step(rest, is_last, true);
@@ -78,7 +80,7 @@ pub(super) fn divide(text: &[u8], syntax: Syntax, is_last: bool, mut line: usize
             Found::Nothing => break,
             Found::Blank => {}
             Found::Comment if rows.is_empty() => comment = Some(rest[..bytes].to_vec()),
-            Found::Comment => {}
+            Found::Comment => later_comments.push(rest[..bytes].to_vec()),
             Found::Record => {
                 let fields = (0..splitter.len()).map(|j| splitter.field(rest, j).to_vec());
                 let (start, end) = (at, at + bytes);
@@ -93,5 +95,5 @@ pub(super) fn divide(text: &[u8], syntax: Syntax, is_last: bool, mut line: usize
     }
     // A last line without an end counts, too.
     let next_line = line + usize::from(at > 0 && text[at - 1] != syntax.line_end);
-    Sample { rows, comment, next_line }
+    Sample { rows, comment, later_comments, next_line }
 }

@@ -328,6 +328,15 @@ fn names_may_have_separators() {
 }
 
 #[test]
+fn rows_that_are_comments_are_mentioned() {
+    let names = &["id", "x"][..];
+    let reading = check("id,x\n1,2\n#2,7\n3,5\n4,4\n", &auto(), SMALL, names);
+    assert!(!reading.is_plain() && reading.to_string().ends_with("commented rows left out"));
+    let reading = check("id x\n1 2\n# twice\n# or more\n3 5\n4 4\n", &auto(), SMALL, names);
+    assert!(reading.is_plain(), "{reading}");
+}
+
+#[test]
 fn quoted_words_may_be_more_than_numbers() {
     // write.csv of R's warpbreaks, and of a table with a word of several words.
     let text = "\"\",\"breaks\",\"wool\",\"tension\"\n\"1\",26,\"A\",\"L\"\n\"2\",30,\"B\",\"M\"\n";
