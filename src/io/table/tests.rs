@@ -473,14 +473,17 @@ struct Dialect {
     has_index: bool,
     has_trailing: bool,
     ends: bool,
+    /// Columns of words before those of numbers; none without a header.
+    words: usize,
+    has_quoted_words: bool,
 }
 
 fn dialects() -> impl Strategy<Value = Dialect> {
     let separators = prop::sample::select(vec![",", ";", "\t", "|", "  ", ", "]);
     let line_ends = prop::sample::select(vec!["\n", "\r\n", "\r"]);
-    let flags = proptest::array::uniform6(any::<bool>());
-    (separators, line_ends, flags).prop_map(|(separator, line_end, flags)| {
-        let [comma, has_quotes, has_header, has_index, has_trailing, ends] = flags;
+    let flags = proptest::array::uniform7(any::<bool>());
+    (separators, line_ends, flags, 0_usize..4).prop_map(|(separator, line_end, flags, words)| {
+        let [comma, has_quotes, has_header, has_index, has_trailing, ends, quoted] = flags;
         let is_comma = separator.starts_with(',');
         Dialect {
             separator,
@@ -492,6 +495,8 @@ fn dialects() -> impl Strategy<Value = Dialect> {
             has_index,
             has_trailing: has_trailing && !separator.ends_with(' '),
             ends,
+            words: if has_header || has_index { words } else { 0 },
+            has_quoted_words: quoted && separator != ", ",
         }
     })
 }
@@ -503,18 +508,31 @@ impl Dialect {
         quoted.collect::<Vec<_>>().join(self.separator) + end
     }
 
+    /// Returns the words of a row.
+    fn words(&self, i: usize) -> impl Iterator<Item = String> + '_ {
+        (0..self.words).map(move |j| {
+            let word = ["A", "New York", "x-1", "Ulm"][(3 * i + j) % 4];
+            match self.has_quoted_words {
+                true if self.has_quotes => word.to_owned(),
+                true => format!("\"{word}\""),
+                false => word.replace(' ', "_"),
+            }
+        })
+    }
+
     fn write(&self, rows: &[Vec<f64>]) -> String {
         let mut lines = Vec::new();
         if self.has_header {
             let names = (0..rows[0].len()).map(|j| format!("col {j}").replace(' ', "_"));
             let index = (self.has_index && self.separator != "  ").then(String::new);
-            lines.push(self.line(index.into_iter().chain(names)));
+            let words = (0..self.words).map(|j| format!("words_{j}"));
+            lines.push(self.line(index.into_iter().chain(words).chain(names)));
         }
         for (i, row) in rows.iter().enumerate() {
             let index = self.has_index.then(|| format!("{}", i + 1));
             let numbers =
                 row.iter().map(|x| format!("{x:?}").replace('.', &self.decimal.to_string()));
-            lines.push(self.line(index.into_iter().chain(numbers)));
+            lines.push(self.line(index.into_iter().chain(self.words(i)).chain(numbers)));
         }
         let end = if self.ends { self.line_end } else { "" };
         lines.join(self.line_end) + end
