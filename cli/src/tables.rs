@@ -35,7 +35,7 @@ pub struct MatrixArgs {
     /// Use these columns of A only: names in the header of a text table, numbers counted from 0,
     /// ranges FIRST..END without END, or a list of these between commas.
     #[arg(long, value_name = "COLUMNS", value_parser = columns)]
-    columns: Option<Columns>,
+    pub columns: Option<Columns>,
     #[command(flatten)]
     pub table: TableArgs,
 }

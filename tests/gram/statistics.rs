@@ -30,7 +30,7 @@ const TABLES: [(&str, &str); 8] = [
     ("stackloss", include_str!("../common/tables/stackloss.csv")),
 ];
 
-/// What `expected.py` computed: set, term, and three numbers.
+/// What `scripts/differential-statistics --expected` computed: set, term, and three numbers.
 const EXPECTED: &str = include_str!("../common/tables/expected.csv");
 
 /// Returns the names of the columns of a table, and its numbers.

@@ -63,6 +63,11 @@ impl GramArgs {
         &self.matrix.table
     }
 
+    /// Returns whether only some columns of A are used.
+    pub fn selects_columns(&self) -> bool {
+        self.matrix.columns.is_some()
+    }
+
     /// Returns the threads of the library that do the work.
     pub fn par(&self) -> Par {
         self.threads.par()

@@ -1,13 +1,11 @@
 //! Factors and missing values: how the columns and rows of a table become those of A and B.
 
-use std::path::Path;
-
 use anyhow::{Context, Result, bail};
 use catamaran::io::Missing;
 use catamaran::rows::{Design, DesignColumn, Factor, Survey};
 
 use super::Rows;
-use super::names::list;
+use super::names::Names;
 use crate::gram::GramArgs;
 use crate::ranks::Ranks;
 use crate::report::status;
@@ -55,8 +53,10 @@ pub(super) fn apply(
     if factors.is_empty() && args.other_tables().missing() != Missing::Drop {
         return Ok(Designed { rows, terms, dropped: 0 });
     }
-    let Rows { table, columns, targets, levels } = rows;
-    let wanted = ranks.meet(wanted(path, &columns, factors))?;
+    let Rows { table, columns, numbers, targets, levels } = rows;
+    let are_selected = args.selects_columns();
+    let names_of_a = Names { path, names: &columns, numbers: &numbers, are_selected };
+    let wanted = ranks.meet(wanted(&names_of_a, factors))?;
     let at: Vec<usize> = wanted.iter().map(|wanted| wanted.column).collect();
     let Survey { missing, entries, bounds, .. } = args.survey(ranks, &table, &at)?;
     let dropped = missing.len();
@@ -79,7 +79,7 @@ pub(super) fn apply(
     let columns = terms.iter().flat_map(names).collect();
     let design = Design::new(design).without_rows(missing);
     let table = ranks.meet(table.designed(design, &bounds))?;
-    Ok(Designed { rows: Rows { table, columns, targets, levels }, terms, dropped })
+    Ok(Designed { rows: Rows { table, columns, numbers, targets, levels }, terms, dropped })
 }
 
 /// Returns a factor with the levels of a column that are among its entries: numbers, or codes of
@@ -112,40 +112,38 @@ fn names(term: &Term) -> Vec<String> {
     }
 }
 
-/// Finds the columns of `--factor`, each a name, or a name, an equals sign and the base.
-fn wanted<'a>(path: &Path, columns: &[String], factors: &'a [String]) -> Result<Vec<Wanted<'a>>> {
+/// Finds the columns of `--factor`, each a name or number, or that, an equals sign and the base.
+fn wanted<'a>(names: &Names<'_>, factors: &'a [String]) -> Result<Vec<Wanted<'a>>> {
     let mut found: Vec<Wanted> = Vec::with_capacity(factors.len());
     for text in factors {
-        let position = |name: &str| columns.iter().position(|column| column == name);
         // A name may have an equals sign.
-        let whole = position(text).map(|column| Wanted { column, base: None });
-        let split = || {
-            let (name, base) = text.split_once('=')?;
-            Some(Wanted { column: position(name)?, base: Some(base) })
+        let (column, base) = match (names.position(text)?, text.split_once('=')) {
+            (None, Some((name, base))) => (names.position(name)?, Some(base)),
+            (column, _) => (column, None),
         };
-        let Some(factor) = whole.or_else(split) else {
-            let known = list(columns.iter().map(String::as_str));
-            bail!("{}: no column {text} for --factor; A has {known}", path.display());
-        };
-        if found.iter().any(|other| other.column == factor.column) {
-            let name = &columns[factor.column];
-            bail!("{}: column {name} is named twice by --factor", path.display());
+        let Some(column) = column else { return Err(names.missing(text, "factor")) };
+        if found.iter().any(|other| other.column == column) {
+            let (path, name) = (names.path.display(), &names.names[column]);
+            bail!("{path}: column {name} is named twice by --factor");
         }
-        found.push(factor);
+        found.push(Wanted { column, base });
     }
     Ok(found)
 }
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
 
     #[test]
     fn factors_are_found_by_name_with_or_without_a_base() {
-        let columns = ["a", "b=c", "b"].map(str::to_owned);
+        let (names, path) = (["a", "b=c", "b"].map(str::to_owned), Path::new("t.csv"));
+        let names = Names { path, names: &names, numbers: &[1, 2, 4], are_selected: false };
         let found = |factors: &[&str]| {
             let factors: Vec<String> = factors.iter().map(|&text| text.to_owned()).collect();
-            wanted(Path::new("t.csv"), &columns, &factors)
+            wanted(&names, &factors)
                 .map(|found| {
                     let pair = |wanted: &Wanted| (wanted.column, wanted.base.map(str::to_owned));
                     found.iter().map(pair).collect::<Vec<_>>()
@@ -154,6 +152,7 @@ mod tests {
         };
         assert_eq!(found(&["b=c", "a=x=y"]), Ok(vec![(1, None), (0, Some("x=y".into()))]));
         assert_eq!(found(&["b=d"]), Ok(vec![(2, Some("d".into()))]));
+        assert_eq!(found(&["4=d", "1"]), Ok(vec![(2, Some("d".into())), (0, None)]));
         let no = "t.csv: no column z for --factor; A has a, b=c, b";
         assert_eq!(found(&["z"]), Err(no.into()));
         let twice = "t.csv: column a is named twice by --factor";

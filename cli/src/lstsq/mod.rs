@@ -11,7 +11,8 @@ use catamaran::io::Output;
 use catamaran::solve::{LeastSquares, LeastSquaresOptions};
 use clap::ArgGroup;
 
-use self::design::Designed;
+use self::design::{Designed, Term};
+use self::names::Names;
 use self::output::Solution;
 use crate::gram::{GramArgs, Pass, Table};
 use crate::output as files;
@@ -59,10 +60,10 @@ pub struct Args {
     /// Also fit a constant for each target.
     #[arg(long)]
     intercept: bool,
-    /// Take this column of A for a factor: it becomes one column for each of its values but the
-    /// base, with 1 in the rows of that value and 0 elsewhere, and each coefficient is a difference
-    /// from the base. The base is the least value unless it is named after an equals sign. May be
-    /// given several times.
+    /// Take this column of A, a name or a number, for a factor: it becomes one column for each of
+    /// its values but the base, with 1 in the rows of that value and 0 elsewhere, and each
+    /// coefficient is a difference from the base. The base is the least value unless it is named
+    /// after an equals sign. May be given several times.
     #[arg(long, value_name = "NAME[=BASE]")]
     factor: Vec<String>,
     /// Also print and write confidence intervals with this confidence, such as 0.95: `lower` and
@@ -105,6 +106,7 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     let designed = design::apply(&args.gram, ranks, rows, &args.factor)?;
     // All rows may have been left out.
     ranks.meet(refuse_empty(args, &designed.rows))?;
+    report_bases(args, &designed.terms);
     let Designed { rows: Rows { table, columns, targets, .. }, terms, dropped } = designed;
     let pass = Pass::new(&args.gram, ranks, &table, args.weights.as_deref(), args.intercept)?;
     let Some(gram) = pass.gram()? else { return pass.end() };
@@ -161,6 +163,8 @@ fn start(args: &Args) -> Result<Vec<Output>> {
 struct Rows {
     table: Table,
     columns: Vec<String>,
+    /// The numbers of those of A in its file.
+    numbers: Vec<usize>,
     targets: Vec<String>,
     /// For each of the columns the levels that its entries are numbers of; none for numbers.
     levels: Vec<Vec<String>>,
@@ -168,25 +172,28 @@ struct Rows {
 
 fn rows(args: &Args) -> Result<Rows> {
     let a = args.gram.open_with_factors(design::possible_names(&args.factor))?;
-    let mut columns = a.column_names();
+    let (mut columns, mut numbers) = (a.column_names(), a.numbers());
     let mut levels: Vec<Vec<String>> = (0..columns.len()).map(|j| a.levels(j).to_vec()).collect();
     if let Some(path) = &args.b {
         let b = open("B", path, &args.gram.other_tables().read_all_rows())?;
         let targets = b.column_names();
-        return Ok(Rows { table: Table::joined(a, b)?, columns, targets, levels });
+        return Ok(Rows { table: Table::joined(a, b)?, columns, numbers, targets, levels });
     }
-    let found = names::find(args.gram.input(), &columns, &a.numbers(), &args.by_column)?;
+    let (path, are_selected) = (args.gram.input(), args.gram.selects_columns());
+    let names = Names { path, names: &columns, numbers: &numbers, are_selected };
+    let found = names.find(&args.by_column)?;
     if let Some(&column) = found.iter().find(|&&column| !levels[column].is_empty()) {
-        let (a, name) = (args.gram.input().display(), &columns[column]);
+        let (a, name) = (path.display(), &columns[column]);
         bail!("{a}: column {name} has words: a factor is no target");
     }
     let targets = found.iter().map(|&column| columns[column].clone()).collect();
     let mut order: Vec<usize> =
         (0..columns.len()).filter(|column| !found.contains(column)).collect();
     columns = order.iter().map(|&column| columns[column].clone()).collect();
+    numbers = order.iter().map(|&column| numbers[column]).collect();
     levels = order.iter().map(|&column| levels[column].clone()).collect();
     order.extend(found);
-    Ok(Rows { table: Table::ordered(a, order), columns, targets, levels })
+    Ok(Rows { table: Table::ordered(a, order), columns, numbers, targets, levels })
 }
 
 /// Refuses a matrix A or B without columns, and one without rows.
@@ -200,6 +207,17 @@ fn refuse_empty(args: &Args, Rows { table, columns, targets, .. }: &Rows) -> Res
         Some(b) if targets.is_empty() => bail!("{}: no columns", b.display()),
         _ if table.nrows() == 0 => bail!("{a}: no rows"),
         _ => Ok(()),
+    }
+}
+
+/// Reports that factors are compared with 0 where there is no intercept.
+fn report_bases(args: &Args, terms: &[Term]) {
+    let base = |term: &Term| Some(format!("{}[{}]", term.column, term.levels.first()?));
+    let bases: Vec<String> = terms.iter().filter_map(base).collect();
+    if !args.intercept && !bases.is_empty() {
+        let (path, listed) = (args.gram.input(), names::list(bases.iter().map(String::as_str)));
+        let why = "without --intercept the base of each factor has the coefficient 0";
+        note(format_args!("{}: {why}: {listed}", path.display()));
     }
 }
 

@@ -1,49 +1,66 @@
-//! Which columns of A are targets, by names or numbers.
+//! Columns of A by names or numbers.
 
 use std::path::Path;
 
-use anyhow::{Result, bail};
+use anyhow::{Error, Result, anyhow, bail};
 
 /// Most columns that an error lists.
 const LISTED: usize = 10;
 
-/// Returns the columns with these names, or these numbers in their file.
-///
-/// # Errors
-/// No column or more than one has a name, or a column is named twice.
-pub fn find(
-    path: &Path,
-    names: &[String],
-    numbers: &[usize],
-    wanted: &[String],
-) -> Result<Vec<usize>> {
-    let mut found = Vec::with_capacity(wanted.len());
-    for name in wanted {
-        let column = find_one(path, names, numbers, name)?;
-        if found.contains(&column) {
-            bail!("{}: column {name} is named twice by --by-column", path.display());
-        }
-        found.push(column);
-    }
-    Ok(found)
+/// The columns of A.
+pub struct Names<'a> {
+    /// The file.
+    pub path: &'a Path,
+    /// Their names.
+    pub names: &'a [String],
+    /// Their numbers in the file.
+    pub numbers: &'a [usize],
+    /// Whether `--columns` selects them.
+    pub are_selected: bool,
 }
 
-fn find_one(path: &Path, names: &[String], numbers: &[usize], wanted: &str) -> Result<usize> {
-    let mut called = (0..names.len()).filter(|&column| names[column] == wanted);
-    match (called.next(), called.next()) {
-        (Some(column), None) => return Ok(column),
-        (Some(_), Some(_)) => {
-            bail!("{}: two columns are called {wanted}; give a number instead", path.display())
+impl Names<'_> {
+    /// Returns the columns with these names, or these numbers in their file.
+    ///
+    /// # Errors
+    /// No column or more than one has a name, or a column is named twice.
+    pub fn find(&self, wanted: &[String]) -> Result<Vec<usize>> {
+        let mut found = Vec::with_capacity(wanted.len());
+        for name in wanted {
+            let Some(column) = self.position(name)? else {
+                return Err(self.missing(name, "by-column"));
+            };
+            if found.contains(&column) {
+                bail!("{}: column {name} is named twice by --by-column", self.path.display());
+            }
+            found.push(column);
         }
-        (None, _) => {}
+        Ok(found)
     }
-    let number = wanted.parse::<usize>().ok();
-    match number.and_then(|number| numbers.iter().position(|&other| other == number)) {
-        Some(column) => Ok(column),
-        None => {
-            let known = list(names.iter().map(String::as_str));
-            bail!("{}: no column {wanted}; the columns are {known}", path.display())
+
+    /// Returns the column with this name, or this number in the file, if there is one.
+    ///
+    /// # Errors
+    /// More than one has this name.
+    pub fn position(&self, wanted: &str) -> Result<Option<usize>> {
+        let mut called = (0..self.names.len()).filter(|&column| self.names[column] == wanted);
+        match (called.next(), called.next()) {
+            (Some(column), None) => return Ok(Some(column)),
+            (Some(_), Some(_)) => {
+                let path = self.path.display();
+                bail!("{path}: two columns are called {wanted}; give a number instead")
+            }
+            (None, _) => {}
         }
+        let number = wanted.parse::<usize>().ok();
+        Ok(number.and_then(|number| self.numbers.iter().position(|&other| other == number)))
+    }
+
+    /// Returns an error about a column that an option names and A does not have.
+    pub fn missing(&self, wanted: &str, option: &str) -> Error {
+        let known = list(self.names.iter().map(String::as_str));
+        let others = if self.are_selected { "; --columns leaves out the others" } else { "" };
+        anyhow!("{}: no column {wanted} for --{option}; A has {known}{others}", self.path.display())
     }
 }
 
@@ -64,7 +81,9 @@ mod tests {
     fn found(wanted: &[&str]) -> Result<Vec<usize>, String> {
         let names = ["x", "y", "x", "7"].map(str::to_owned);
         let wanted: Vec<String> = wanted.iter().map(|&name| name.to_owned()).collect();
-        find(Path::new("a.csv"), &names, &[5, 6, 7, 9], &wanted).map_err(|e| e.to_string())
+        let path = Path::new("a.csv");
+        let names = Names { path, names: &names, numbers: &[5, 6, 7, 9], are_selected: true };
+        names.find(&wanted).map_err(|e| e.to_string())
     }
 
     #[test]
@@ -76,10 +95,11 @@ mod tests {
 
     #[test]
     fn errors_name_the_file_and_the_column() {
-        let no = "a.csv: no column z; the columns are x, y, x, 7";
+        let no =
+            "a.csv: no column z for --by-column; A has x, y, x, 7; --columns leaves out the others";
         assert_eq!(found(&["z"]), Err(no.into()));
-        assert_eq!(found(&["8"]), Err(no.replace('z', "8")));
-        assert_eq!(found(&["4"]), Err(no.replace('z', "4")));
+        assert_eq!(found(&["8"]), Err(no.replace("column z", "column 8")));
+        assert_eq!(found(&["4"]), Err(no.replace("column z", "column 4")));
         let two = "a.csv: two columns are called x; give a number instead";
         assert_eq!(found(&["x"]), Err(two.into()));
         let twice = "a.csv: column 6 is named twice by --by-column";

@@ -266,6 +266,10 @@ fn factors_have_the_coefficients_of_r_and_predict_by_their_levels() {
     assert_close(&numbers("x"), &x, 1e-12);
     let p = [0.004717833899868905, 0.0009991893236754117, 0.00021304346026846004];
     assert_close(&numbers("p"), &p, 1e-12);
+    let note = noted(&folder, "lstsq cars.csv --by-column mpg --factor 1");
+    let said =
+        "cars.csv: without --intercept the base of each factor has the coefficient 0: cyl[4]";
+    assert!(note.contains(said), "{note}");
     // Another base: the same model.
     folder.succeed("lstsq cars.csv --by-column mpg --intercept --factor cyl=8 -o y.json");
     folder.write("new.csv", "cyl,wt\n6,3\n8,3\n4,2.5\n");
@@ -281,9 +285,57 @@ fn factors_have_the_coefficients_of_r_and_predict_by_their_levels() {
     for (option, said) in [
         ("cyl=5", "cars.csv: factor: cyl has no level 5, but 4, 6, 8"),
         ("color", "cars.csv: no column color for --factor; A has cyl, wt"),
+        (
+            "cyl --columns mpg,wt",
+            "cars.csv: no column cyl for --factor; A has wt; --columns leaves out the others",
+        ),
     ] {
         let message = folder.fail(&format!("lstsq cars.csv --by-column mpg --factor {option}"));
         assert!(message.contains(said), "{message}");
+    }
+}
+
+/// Tables as R's `write.csv` writes its data sets, and what 60 digits give: set, term, and three
+/// numbers of each (`scripts/differential-statistics --expected`).
+const AIRQUALITY: &str = include_str!("../../../tests/common/tables/airquality.csv");
+const TOOTH_GROWTH: &str = include_str!("../../../tests/common/tables/ToothGrowth.csv");
+const WARPBREAKS: &str = include_str!("../../../tests/common/tables/warpbreaks.csv");
+const EXPECTED: &str = include_str!("../../../tests/common/tables/expected.csv");
+
+#[test]
+fn tables_of_r_have_the_statistics_of_multiprecision_by_one_command() {
+    let folder = Folder::new();
+    let columns = "--columns Ozone,Solar.R,Wind,Temp,Month --missing drop";
+    for (set, text, options, left_out) in [
+        ("airquality", AIRQUALITY, format!("Ozone --factor Month {columns}"), 42),
+        ("ToothGrowth", TOOTH_GROWTH, "len --factor supp=VC --factor dose".into(), 0),
+        ("warpbreaks", WARPBREAKS, "breaks --factor wool --factor tension=L".into(), 0),
+    ] {
+        folder.write(&format!("{set}.csv"), text);
+        let output = format!("{set}.json");
+        folder.succeed(&format!("lstsq {set}.csv --intercept --by-column {options} -o {output}"));
+        let json = fs::read_to_string(folder.path(&output)).unwrap();
+        let found: Value = serde_json::from_str(&json).unwrap();
+        assert_eq!(found["left_out"], json!(left_out), "{set}");
+        let columns = found["columns"].as_array().unwrap();
+        let target = &found["targets"][0];
+        let number = |value: &Value| value.as_f64().unwrap();
+        let of_set = |line: &'static str| line.strip_prefix(set)?.strip_prefix(',');
+        let mut terms = 0;
+        for line in EXPECTED.lines().filter_map(of_set) {
+            let (term, right) = line.split_once(',').unwrap();
+            let right: Vec<f64> = right.split(',').map(|x| x.parse().unwrap()).collect();
+            let found = match columns.iter().position(|column| column == term) {
+                Some(j) => ["x", "standard_error", "p"].map(|name| number(&target[name][j])),
+                None if term == "F" => {
+                    ["r_squared", "f_statistic", "f_p"].map(|name| number(&target[name]))
+                }
+                None => ["", "_error", "_p"].map(|end| number(&target[format!("intercept{end}")])),
+            };
+            assert_close(&found, &right, 1e-12);
+            terms += 1;
+        }
+        assert_eq!(terms, columns.len() + 2, "{set}");
     }
 }
 
@@ -337,7 +389,8 @@ fn factors_of_words_are_fitted_and_predicted_by_their_levels() {
     );
     let fit = "lstsq a.csv --by-column y --intercept --factor ort";
     let message = folder.fail(fit);
-    assert!(message.contains("a.csv:6: column 1 (ort): \"NA\""), "{message}");
+    let missing = "a.csv:6: column 1 (ort): \"NA\" where a word should be";
+    assert!(message.contains(missing), "{message}");
     let run = folder.run(&format!("{fit} --missing drop -o x.json"));
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     // A missing cell in a column that is not used drops no row.
@@ -520,7 +573,7 @@ fn errors_name_the_file_and_the_cause() {
         ("pca far.csv -o x.npz", "far.csv: the squared length of column y is out of the range"),
         ("svd long.csv -o x.npz", "long.csv: the squared length of column 0 is out of the range"),
         ("lstsq a.csv short.csv", "short.csv: 2 x 1 where the 3 rows of a.csv need 3 rows"),
-        ("lstsq a.csv --by-column z -o x.npz", "a.csv: no column z; the columns are x, y"),
+        ("lstsq a.csv --by-column z -o x.npz", "a.csv: no column z for --by-column; A has x, y"),
         ("lstsq a.csv --by-column y --weights short.csv", "short.csv: 2 x 1 where the 3 rows"),
         (
             "lstsq a.csv --by-column y --weights minus.csv -o x.npz",
@@ -724,6 +777,7 @@ fn guide_folder() -> Folder {
     let weights: Vec<f64> = (0..m).map(|i| (i % 4) as f64).collect();
     folder.write_npy("w.npy", &[m as u64], &weights);
     folder.write("cars.csv", MTCARS);
+    folder.write("airquality.csv", AIRQUALITY);
     folder
 }
 

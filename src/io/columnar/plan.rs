@@ -36,6 +36,7 @@ pub fn plan(
         skipped_lines: 0,
         index: false,
         trailing_separator: false,
+        has_commented_rows: false,
         left_out: Vec::new(),
         columns: Vec::new(),
         dropped_rows: 0,

@@ -181,7 +181,7 @@ impl Found<'_> {
     }
 
     /// Returns whether the rows below a header of one name are pairs between commas that are
-    /// numbers with a decimal comma.
+    /// numbers with a decimal comma, or single numbers and missing cells.
     ///
     /// # Errors
     /// They may also be row numbers and numbers.
@@ -190,12 +190,14 @@ impl Found<'_> {
             [first, rest @ ..] if !rest.is_empty() => (first, rest),
             _ => return Ok(false),
         };
-        let is_pair = |row: &SampleRow| {
-            row.fields.len() == 2 && number::parse(&row.fields.join(&b','), NOTATIONS[1]).is_some()
+        let is_number = |row: &SampleRow| match &row.fields[..] {
+            [field] => self.cell(field) != Cell::Word,
+            [_, _] => number::parse(&row.fields.join(&b','), NOTATIONS[1]).is_some(),
+            _ => false,
         };
         let is_name = first.fields.len() == 1 && self.cell(&first.fields[0]) == Cell::Word;
         let comma = Between::Byte(b',');
-        if self.syntax.between != comma || !is_name || !rest.iter().all(is_pair) {
+        if self.syntax.between != comma || !is_name || !rest.iter().all(is_number) {
             return Ok(false);
         }
         if self.options.index == Some(true) || self.options.decimal.is_some() {
@@ -319,6 +321,7 @@ impl Found<'_> {
             skipped_lines: 0,
             index: index && self.columns.is_all(),
             trailing_separator: trailing,
+            has_commented_rows: self.has_commented_rows(&kinds),
             left_out,
             columns,
             dropped_rows: 0,
@@ -412,9 +415,8 @@ impl Found<'_> {
 
     /// Returns whether each field of the first row is in quotes, and no other row is like that.
     fn only_first_is_quoted(&self) -> bool {
-        let is_quoted = |row: &SampleRow| row.quotes >= 2 * row.fields.len();
         let rows = &self.sample.rows;
-        is_quoted(&rows[0]) && !rows[1..].iter().any(is_quoted)
+        rows[0].is_quoted() && !rows[1..].iter().any(SampleRow::is_quoted)
     }
 
     fn without(&self, len: usize, ncells: usize) -> Result<Header> {
@@ -445,12 +447,12 @@ impl Found<'_> {
     }
 
     /// Returns whether the numbers of the first row increase, and each is far from the other
-    /// numbers of its column: [`FAR`] times farther than these are from each other, or than a
-    /// single one is from 0. Numbers of three digits or more with equal steps, as years and
-    /// wavelengths, need only be outside of the range, and so do numbers that would all be there by
-    /// a small chance ([`CHANCE`]) if they were data: the first of m numbers is the least or the
-    /// greatest in 2 of m cases, unless the column is sorted. Without a word beside them they must
-    /// be integers.
+    /// numbers of its column, if there are any: [`FAR`] times farther than these are from each
+    /// other, or than a single one is from 0. Numbers of three digits or more with equal steps, as
+    /// years and wavelengths, need only be outside of the range, and so do numbers that would all
+    /// be there by a small chance ([`CHANCE`]) if they were data: the first of m numbers is the
+    /// least or the greatest in 2 of m cases, unless the column is sorted. Without a word beside
+    /// them they must be integers.
     fn may_be_names(&self, cells: &[Cell], width: usize, must_be_integers: bool) -> bool {
         let far = if self.is_regular(width) { 0.0 } else { FAR };
         let (mut last, mut is_far, mut chance) = (f64::NEG_INFINITY, true, 1.0);
@@ -459,6 +461,8 @@ impl Found<'_> {
             match cell {
                 Cell::Number(_) => {}
                 Cell::Word if !must_be_integers => continue,
+                // An index has no name.
+                Cell::Missing if !must_be_integers && j == 0 => continue,
                 _ => return false,
             }
             if must_be_integers && !field.iter().all(u8::is_ascii_digit) {
@@ -469,7 +473,11 @@ impl Found<'_> {
                 self.rows(1, width).filter_map(|row| any_reading(&row.fields[j])).collect();
             let low = others.iter().copied().fold(f64::INFINITY, f64::min);
             let high = others.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            let reach = if others.len() > 1 { far * (high - low) } else { high.abs() };
+            let reach = match others.len() {
+                0 if !must_be_integers => 0.0,
+                0 | 1 => high.abs(),
+                _ => far * (high - low),
+            };
             let is_outside = |reach: f64| low - value > reach || value - high > reach;
             if value <= last || !is_outside(0.0) {
                 return false;
@@ -540,7 +548,10 @@ impl Found<'_> {
 
     /// Returns whether the first column, which has no name, is an index.
     fn is_index(&self, width: usize) -> Result<bool> {
-        if self.is_counted(width) || self.kind(1, width, 0) == Kind::Words {
+        // R writes names of rows, which may be numbers, in quotes.
+        let is_name = |row: &SampleRow| row.begins_quoted && !row.is_quoted();
+        let is_words = self.kind(1, width, 0) == Kind::Words;
+        if is_words || self.is_counted(width) || self.rows(1, width).all(is_name) {
             return Ok(true);
         }
         let (index, skip) = (option("index"), option("skip"));
@@ -566,17 +577,29 @@ impl Found<'_> {
     /// Returns the names in the comment before the first row, as `numpy.savetxt` writes them: a
     /// word for each column.
     fn comment_names(&self, ncells: usize) -> Vec<String> {
-        let Some(comment) = &self.sample.comment else { return Vec::new() };
-        let is_sign = |byte: &u8| *byte == self.syntax.comment || byte.is_ascii_whitespace();
-        let start = comment.iter().position(|byte| !is_sign(byte)).unwrap_or(comment.len());
-        let divided = divide(&comment[start..], self.syntax, true, 1);
-        let Some(row) = divided.rows.first().filter(|row| row.fields.len() == ncells) else {
-            return Vec::new();
+        let fields = self.sample.comment.as_ref().and_then(|line| self.in_comment(line, ncells));
+        let words = fields.filter(|fields| fields.iter().all(|f| self.cell(f) == Cell::Word));
+        let names = words.iter().flatten();
+        names.map(|field| encoding::text(field).into_owned()).collect()
+    }
+
+    /// Returns whether there are comments that would be rows without the sign of comments.
+    fn has_commented_rows(&self, kinds: &[Kind]) -> bool {
+        let is_row = |line: &Vec<u8>| {
+            let fits =
+                |(kind, f): (&Kind, &Vec<u8>)| *kind == Kind::Words || self.cell(f) != Cell::Word;
+            let fields = self.in_comment(line, kinds.len());
+            kinds.len() > 1 && fields.is_some_and(|fields| kinds.iter().zip(&fields).all(fits))
         };
-        if !row.fields.iter().all(|field| self.cell(field) == Cell::Word) {
-            return Vec::new();
-        }
-        row.fields.iter().map(|field| encoding::text(field).into_owned()).collect()
+        self.sample.later_comments.iter().any(is_row)
+    }
+
+    /// Returns the fields of a comment if there are as many as columns.
+    fn in_comment(&self, line: &[u8], ncells: usize) -> Option<Vec<Vec<u8>>> {
+        let is_sign = |byte: &u8| *byte == self.syntax.comment || byte.is_ascii_whitespace();
+        let start = line.iter().position(|byte| !is_sign(byte)).unwrap_or(line.len());
+        let row = divide(&line[start..], self.syntax, true, 1).rows.into_iter().next()?;
+        (row.fields.len() == ncells).then_some(row.fields)
     }
 
     /// Returns the columns that are used, in order, and the names of those of words that are left

@@ -228,10 +228,9 @@ fn missing(layout: &Layout, j: usize, field: &[u8]) -> Result<bool, String> {
         Missing::Drop => Ok(true),
         Missing::Nan => Ok(false),
         Missing::Error => {
-            let what = match field {
-                [] => "nothing where a number should be".to_owned(),
-                field => format!("{} where a number should be", excerpt(field)),
-            };
+            let field = if field.is_empty() { "nothing".to_owned() } else { excerpt(field) };
+            let kind = if matches!(layout.uses[j], Use::Word(..)) { "word" } else { "number" };
+            let what = format!("{field} where a {kind} should be");
             let (column, missing) = (column(layout, j), option("missing"));
             Err(format!("{column}: {what}; {missing} = drop leaves out rows with a missing cell"))
         }

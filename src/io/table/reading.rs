@@ -71,6 +71,8 @@ pub struct TableReading {
     pub index: bool,
     /// Whether a separator at the end of each row is ignored.
     pub trailing_separator: bool,
+    /// Whether comments are left out that would be rows without the sign of comments.
+    pub has_commented_rows: bool,
     /// The columns of words that are left out: their names, or else numbers, from 0.
     pub left_out: Vec<String>,
     /// The columns that were read.
@@ -101,6 +103,7 @@ impl TableReading {
             && self.skipped_lines == 0
             && !self.index
             && !self.trailing_separator
+            && !self.has_commented_rows
             && self.left_out.is_empty()
             && self.dropped_rows == 0
             && self.columns.iter().all(|column| column.kind == ColumnKind::Numbers)
@@ -141,6 +144,9 @@ impl fmt::Display for TableReading {
         }
         if self.trailing_separator {
             parts.push("separator at the end of rows ignored".into());
+        }
+        if self.has_commented_rows {
+            parts.push("commented rows left out".into());
         }
         let factors: Vec<String> = self.columns.iter().filter_map(factor).collect();
         if !factors.is_empty() {

@@ -18,6 +18,15 @@ pub(super) struct SampleRow {
     pub fields: Vec<Vec<u8>>,
     /// Quotes in the text of the record.
     pub quotes: usize,
+    /// Whether it begins with one of them.
+    pub begins_quoted: bool,
+}
+
+impl SampleRow {
+    /// Returns whether each of its fields is in quotes.
+    pub fn is_quoted(&self) -> bool {
+        self.quotes >= 2 * self.fields.len()
+    }
 }
 
 /// The records at the beginning of a table.
@@ -26,6 +35,8 @@ pub(super) struct Sample {
     pub rows: Vec<SampleRow>,
     /// The comment before the first record.
     pub comment: Option<Vec<u8>>,
+    /// The comments after it.
+    pub later_comments: Vec<Vec<u8>>,
     /// The line behind the last one that was looked at.
     pub next_line: usize,
 }
@@ -61,7 +72,7 @@ impl Cell {
 /// Divides a text, which begins with line `line`, into records.
 pub(super) fn divide(text: &[u8], syntax: Syntax, is_last: bool, mut line: usize) -> Sample {
     let mut splitter = Splitter::new(syntax);
-    let (mut rows, mut comment, mut at) = (Vec::new(), None, 0);
+    let (mut rows, mut comment, mut later_comments, mut at) = (Vec::new(), None, Vec::new(), 0);
     while rows.len() < MOST && at < text.len() {
         let rest = &text[at..];
         let (found, bytes) = splitter.step(rest, is_last, true);
@@ -69,12 +80,14 @@ pub(super) fn divide(text: &[u8], syntax: Syntax, is_last: bool, mut line: usize
             Found::Nothing => break,
             Found::Blank => {}
             Found::Comment if rows.is_empty() => comment = Some(rest[..bytes].to_vec()),
-            Found::Comment => {}
+            Found::Comment => later_comments.push(rest[..bytes].to_vec()),
             Found::Record => {
                 let fields = (0..splitter.len()).map(|j| splitter.field(rest, j).to_vec());
                 let (start, end) = (at, at + bytes);
                 let quotes = memchr::memchr_iter(b'"', &rest[..bytes]).count();
-                rows.push(SampleRow { line, start, end, fields: fields.collect(), quotes });
+                let begins_quoted = rest.trim_ascii_start().first() == Some(&b'"');
+                let fields = fields.collect();
+                rows.push(SampleRow { line, start, end, fields, quotes, begins_quoted });
             }
         }
         line += memchr::memchr_iter(syntax.line_end, &rest[..bytes]).count();
@@ -82,5 +95,5 @@ pub(super) fn divide(text: &[u8], syntax: Syntax, is_last: bool, mut line: usize
     }
     // A last line without an end counts, too.
     let next_line = line + usize::from(at > 0 && text[at - 1] != syntax.line_end);
-    Sample { rows, comment, next_line }
+    Sample { rows, comment, later_comments, next_line }
 }

@@ -220,11 +220,11 @@ impl Splitter {
                         None => break,
                     }
                 }
-            } else {
-                let end = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
-                self.unquoted.extend_from_slice(&rest[..end]);
-                rest = &rest[end..];
             }
+            // What follows a closing quote belongs to the field, as between other separators.
+            let end = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
+            self.unquoted.extend_from_slice(&rest[..end]);
+            rest = &rest[end..];
             self.fields.push(start..self.unquoted.len());
             rest = rest.trim_ascii_start();
         }
@@ -327,6 +327,7 @@ mod tests {
             (COMMA, "#N/A,1\n#NAME,2\n", "#N/A|1"),
             (comments, "1,2 # a, b\n\"x # y\",3 # z\n", "1|2/x # y|3"),
             (blanks, " 1 2\t3 \n\"a b\"  \"\" c\n", "1|2|3/a b||c"),
+            (blanks, "\"1\",2,\"A\" 3\n", "1,2,\"A\"|3"),
             (tabs, "1\t\n\t\n2\t3\n", "1|/|/2|3"),
         ] {
             for cut in 0..=text.len() {

@@ -100,8 +100,8 @@ const MARGIN: f64 = 1e-9;
 
 /// Returns how well a separator divides the rows, from 0 to 3.5: the share of rows of the usual
 /// width, the share of fields that are numbers or missing, up to 1 if there are several fields, and
-/// a half if the first row, which may be a header, has as many. Numbers in the first row break
-/// ties.
+/// a half if the first row, which may be a header, has as many, or one less but several: names of
+/// rows may have none. Numbers in the first row break ties.
 fn score(sample: &Sample, missing: &MissingWords, is_given: bool) -> f64 {
     let rows = &sample.rows;
     if rows.is_empty() {
@@ -118,7 +118,8 @@ fn score(sample: &Sample, missing: &MissingWords, is_given: bool) -> f64 {
     let (even, numbers) = (even as f64 / data.len() as f64, numbers as f64 / fields.max(1) as f64);
     // Fields that are all words may have been divided anywhere.
     let several = if width > 1 || is_given { 0.5 + 0.5 * numbers } else { 0.0 };
-    let is_whole = width > 1 && rows[0].fields.len() == width;
+    let names = rows[0].fields.len();
+    let is_whole = names > 1 && (names == width || names + 1 == width);
     let is_word = |field: &&Vec<u8>| Cell::of(field, missing) == Cell::Word;
     let words = rows[0].fields.iter().filter(is_word).count() as f64;
     let tie = TIE * (1.0 - words / rows[0].fields.len().max(1) as f64);

@@ -142,6 +142,14 @@ fn a_word_makes_a_header_of_years() {
     );
     let by_hand = "Country,1990,1991\nAT,1,2\nDE,3,4\n";
     check(by_hand, &auto(), &[&[1.0, 2.0], &[3.0, 4.0]], &["1990", "1991"]);
+    // Words above words, an index without a name, a year without numbers.
+    let nan = options(TableOptions::new().missing(Missing::Nan));
+    let rows: &[&[f64]] = &[&[1.0, 2.0, f64::NAN], &[3.0, 4.0, f64::NAN]];
+    for text in
+        ["name,1990,1991,1992\nAT,1,2,\nDE,3,4,\n", ",name,1990,1991,1992\n0,AT,1,2,\n1,DE,3,4,\n"]
+    {
+        check(text, &nan, rows, &["1990", "1991", "1992"]);
+    }
 }
 
 #[test]
@@ -158,6 +166,7 @@ fn row_numbers_are_left_out() {
     for text in [
         "\"x\" \"y\"\n\"1\" 1.5 2\n\"2\" 3.5 5\n",
         "\"x\" \"y\"\n\"a b\" 1.5 2\n\"c\" 3.5 5\n",
+        "\"x\" \"y\"\n\"1947\" 1.5 2\n\"1949\" 3.5 5\n",
         "\"\",\"x\",\"y\"\n\"1\",1.5,2\n\"2\",3.5,5\n",
         ",x,y\n0,1.5,2\n7,3.5,5\n",
     ] {
@@ -168,7 +177,10 @@ fn row_numbers_are_left_out() {
     let index = |index| options(TableOptions::new().index(index));
     check(text, &index(false), &[&[0.0, 1.5], &[7.0, 3.5]], &["", "x"]);
     check("i,x\n0,1.5\n7,3.5\n", &index(true), &[&[1.5], &[3.5]], &["x"]);
-    refused("x,y\n5,1.5,2\n9,3.5,5\n", &auto(), 1, &["`index`", "`skip`"]);
+    let all_quoted = "\"x\",\"y\"\n\"5\",\"1.5\",\"2\"\n\"9\",\"3.5\",\"5\"\n";
+    for text in ["x,y\n5,1.5,2\n9,3.5,5\n", all_quoted] {
+        refused(text, &auto(), 1, &["`index`", "`skip`"]);
+    }
 }
 
 #[test]
@@ -248,6 +260,9 @@ fn other_notations_are_read_when_the_file_decides() {
     check("sep=;\nx;y\n1;2\n", &auto(), &[&[1.0, 2.0]], &["x", "y"]);
     check("1e5,2E-1\n3d2,4\n", &auto(), &[&[1e5, 0.2], &[300.0, 4.0]], &[]);
     check("x\n0,5\n2,25\n", &auto(), &[&[0.5], &[2.25]], &["x"]);
+    let nan = options(TableOptions::new().missing(Missing::Nan));
+    let rows: &[&[f64]] = &[&[6.5], &[2.25], &[0.5], &[f64::NAN], &[7.0]];
+    check("x\n6,5\n2,25\n0,5\n\"\"\n7\n", &nan, rows, &["x"]);
     refused("x\n1,5\n2,25\n", &auto(), 2, &["`index`", "`decimal`"]);
     refused("x\n5,000\n2,500\n", &auto(), 2, &["\"5,000\" is 5 with", "5000", "`thousands`"]);
     check("x\n1,5\n2,25\n", &options(TableOptions::new().decimal(',')), &[&[1.5], &[2.25]], &["x"]);
@@ -310,6 +325,29 @@ fn names_may_have_separators() {
         &[&[1.0, 2.0], &[2.0, 4.5]],
         &["time; s", "x"],
     );
+}
+
+#[test]
+fn rows_that_are_comments_are_mentioned() {
+    let names = &["id", "x"][..];
+    let reading = check("id,x\n1,2\n#2,7\n3,5\n4,4\n", &auto(), SMALL, names);
+    assert!(!reading.is_plain() && reading.to_string().ends_with("commented rows left out"));
+    let reading = check("id x\n1 2\n# twice\n# or more\n3 5\n4 4\n", &auto(), SMALL, names);
+    assert!(reading.is_plain(), "{reading}");
+}
+
+#[test]
+fn quoted_words_may_be_more_than_numbers() {
+    // write.csv of R's warpbreaks, and of a table with a word of several words.
+    let text = "\"\",\"breaks\",\"wool\",\"tension\"\n\"1\",26,\"A\",\"L\"\n\"2\",30,\"B\",\"M\"\n";
+    let reading = check(text, &auto(), &[&[26.0], &[30.0]], &["breaks"]);
+    assert!(reading.index);
+    assert_eq!(reading.left_out, ["wool", "tension"]);
+    // write.table with decimal commas.
+    let text = "\"k\" \"x\" \"y\"\n\"a b\" \"c d\" 66 94,25\n\"e f\" \"g\" 17 2,5\n";
+    check(text, &auto(), &[&[66.0, 94.25], &[17.0, 2.5]], &["x", "y"]);
+    let text = "\"wool\",\"place\",\"breaks\"\n\"A\",\"New York\",26\n\"B\",\"Ulm\",30\n";
+    check(text, &auto(), &[&[26.0], &[30.0]], &["breaks"]);
 }
 
 #[test]
@@ -435,14 +473,17 @@ struct Dialect {
     has_index: bool,
     has_trailing: bool,
     ends: bool,
+    /// Columns of words before those of numbers; none without a header.
+    words: usize,
+    has_quoted_words: bool,
 }
 
 fn dialects() -> impl Strategy<Value = Dialect> {
     let separators = prop::sample::select(vec![",", ";", "\t", "|", "  ", ", "]);
     let line_ends = prop::sample::select(vec!["\n", "\r\n", "\r"]);
-    let flags = proptest::array::uniform6(any::<bool>());
-    (separators, line_ends, flags).prop_map(|(separator, line_end, flags)| {
-        let [comma, has_quotes, has_header, has_index, has_trailing, ends] = flags;
+    let flags = proptest::array::uniform7(any::<bool>());
+    (separators, line_ends, flags, 0_usize..4).prop_map(|(separator, line_end, flags, words)| {
+        let [comma, has_quotes, has_header, has_index, has_trailing, ends, quoted] = flags;
         let is_comma = separator.starts_with(',');
         Dialect {
             separator,
@@ -454,6 +495,8 @@ fn dialects() -> impl Strategy<Value = Dialect> {
             has_index,
             has_trailing: has_trailing && !separator.ends_with(' '),
             ends,
+            words: if has_header || has_index { words } else { 0 },
+            has_quoted_words: quoted && separator != ", ",
         }
     })
 }
@@ -465,18 +508,31 @@ impl Dialect {
         quoted.collect::<Vec<_>>().join(self.separator) + end
     }
 
+    /// Returns the words of a row.
+    fn words(&self, i: usize) -> impl Iterator<Item = String> + '_ {
+        (0..self.words).map(move |j| {
+            let word = ["A", "New York", "x-1", "Ulm"][(3 * i + j) % 4];
+            match self.has_quoted_words {
+                true if self.has_quotes => word.to_owned(),
+                true => format!("\"{word}\""),
+                false => word.replace(' ', "_"),
+            }
+        })
+    }
+
     fn write(&self, rows: &[Vec<f64>]) -> String {
         let mut lines = Vec::new();
         if self.has_header {
             let names = (0..rows[0].len()).map(|j| format!("col {j}").replace(' ', "_"));
             let index = (self.has_index && self.separator != "  ").then(String::new);
-            lines.push(self.line(index.into_iter().chain(names)));
+            let words = (0..self.words).map(|j| format!("words_{j}"));
+            lines.push(self.line(index.into_iter().chain(words).chain(names)));
         }
         for (i, row) in rows.iter().enumerate() {
             let index = self.has_index.then(|| format!("{}", i + 1));
             let numbers =
                 row.iter().map(|x| format!("{x:?}").replace('.', &self.decimal.to_string()));
-            lines.push(self.line(index.into_iter().chain(numbers)));
+            lines.push(self.line(index.into_iter().chain(self.words(i)).chain(numbers)));
         }
         let end = if self.ends { self.line_end } else { "" };
         lines.join(self.line_end) + end
