@@ -49,13 +49,13 @@ mod _catamaran {
     #[pymodule_export]
     use crate::environment::Nearest;
     #[pymodule_export]
-    use crate::gram::{
-        PrincipalComponents, corrcoef, lstsq, lstsq_table, orthogonality, pca, svd, t_quantile,
-    };
+    use crate::gram::{corrcoef, lstsq, lstsq_table, orthogonality, pca, scores, svd, t_quantile};
     #[pymodule_export]
     use crate::mesh::{laplacian, shape};
     #[pymodule_export]
     use crate::mesh_file::{read_mesh, write_mesh};
+    #[pymodule_export]
+    use crate::options::{get_num_threads, set_num_threads};
     #[pymodule_export]
     use crate::ortho::{orthogonalize, qr};
     #[pymodule_export]
@@ -63,7 +63,7 @@ mod _catamaran {
     #[pymodule_export]
     use crate::product_plan::{Plan, plan};
     #[pymodule_export]
-    use crate::spectral::{Eigenbasis, eigenproducts, functional_map, transfer};
+    use crate::spectral::{Eigenbasis, eigenbasis, eigenproducts, functional_map, transfer};
     #[pymodule_export]
     use crate::spectrum::{eigsh, eigsh_sparse};
     #[pymodule_export]

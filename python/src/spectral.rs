@@ -3,7 +3,7 @@
 use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran::faer::{Mat, Scale};
-use catamaran::sparse::{EigenOptions, eigs};
+use catamaran::sparse::{EigenOptions, Mass, eigs};
 use catamaran_geometry::mesh::{Boundary, LaplacianOptions, laplacian};
 use catamaran_geometry::spectral::descriptors::{wave_kernel_signature, wave_scales};
 use catamaran_geometry::spectral::functional_map::{
@@ -16,8 +16,8 @@ use pyo3::prelude::*;
 
 use crate::array::{Array, from_matrix, from_vec};
 use crate::error::{exception, refused};
-use crate::options::{laplacian_kind, orthogonalization, par, vertices, word};
-use crate::sparse::{Parts, mass_parts};
+use crate::options::{Threads, laplacian_kind, orthogonalization, par, vertices, word};
+use crate::sparse::{Parts, mass as mass_of, mass_parts};
 use crate::surface::{Pieces, Surface};
 use crate::task::{Length, run};
 
@@ -45,36 +45,62 @@ fn check_count(len: usize, (count, _, left, _): Pieces) -> catamaran::Result<()>
     Err(catamaran::Error::Argument { what: "k", why })
 }
 
+/// A basis as arrays: values, functions, the mass (a vector if it is lumped, else a sparse matrix),
+/// and the components of the mesh.
+type BasisParts<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Pieces);
+
+/// The first eigenfunctions of a mesh; see `catamaran.Eigenbasis`.
+#[pyfunction]
+#[pyo3(signature = (v, f, k, kind, weld, threads, progress))]
+pub fn eigenbasis<'py>(
+    py: Python<'py>,
+    v: &Bound<'py, PyAny>,
+    f: &Bound<'py, PyAny>,
+    k: usize,
+    kind: &str,
+    weld: bool,
+    threads: Threads,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<BasisParts<'py>> {
+    let (surface, par) = (Surface::new(v, f, weld)?, par(threads)?);
+    let options = LaplacianOptions::new().kind(laplacian_kind(kind)?).par(par);
+    let (pairs, mass, pieces) = run(py, Length::Long, progress, move |progress| {
+        let found = laplacian(&surface.mesh, &options)?;
+        let missing = (0..found.vertices).find(|&v| found.kept.get(v) != Some(&v));
+        if let Some(vertex) = missing {
+            let element = format!("vertex {}", surface.firsts()(vertex));
+            return Err(catamaran::Error::Mesh { what: "it is in no face".into(), element });
+        }
+        let pieces = surface.pieces(&Boundary::Neumann)?;
+        check_count(k, pieces)?;
+        let search = EigenOptions::new().k(k).par(par).progress(progress);
+        let mut pairs = eigs(found.stiffness.view(), &found.mass, &search)?;
+        pairs.vectors = surface.extend(pairs.vectors);
+        Ok((pairs, surface.shares(found.mass), pieces))
+    })?;
+    let mass = match mass {
+        Mass::Lumped(masses) => from_vec(py, masses).into_any(),
+        mass => mass_parts(py, mass).into_pyobject(py)?.into_any(),
+    };
+    let functions = from_matrix(py, pairs.vectors.as_ref())?.into_any();
+    Ok((from_vec(py, pairs.values).into_any(), functions, mass, pieces))
+}
+
 #[pymethods]
 impl Eigenbasis {
+    /// Of the arrays that [`eigenbasis`] returns.
     #[new]
-    #[pyo3(signature = (v, f, k, kind, weld, threads, progress))]
+    #[pyo3(signature = (values, functions, mass, pieces))]
     fn new(
-        py: Python<'_>,
-        v: &Bound<'_, PyAny>,
-        f: &Bound<'_, PyAny>,
-        k: usize,
-        kind: &str,
-        weld: bool,
-        threads: Option<i64>,
-        progress: Option<Py<PyAny>>,
+        values: &Bound<'_, PyAny>,
+        functions: &Bound<'_, PyAny>,
+        mass: &Bound<'_, PyAny>,
+        pieces: Pieces,
     ) -> PyResult<Self> {
-        let (surface, par) = (Surface::new(v, f, weld)?, par(threads)?);
-        let options = LaplacianOptions::new().kind(laplacian_kind(kind)?).par(par);
-        let (basis, pieces) = run(py, Length::Long, progress, move |progress| {
-            let found = laplacian(&surface.mesh, &options)?;
-            let missing = (0..found.vertices).find(|&v| found.kept.get(v) != Some(&v));
-            if let Some(vertex) = missing {
-                let element = format!("vertex {}", surface.firsts()(vertex));
-                return Err(catamaran::Error::Mesh { what: "it is in no face".into(), element });
-            }
-            let pieces = surface.pieces(&Boundary::Neumann)?;
-            check_count(k, pieces)?;
-            let search = EigenOptions::new().k(k).par(par).progress(progress);
-            let pairs = eigs(found.stiffness.view(), &found.mass, &search)?;
-            let (vectors, mass) = (surface.extend(pairs.vectors), surface.shares(found.mass));
-            Ok((Basis::new(pairs.values, vectors, mass)?, pieces))
-        })?;
+        let values = Array::<f64>::new("values", values, &[1])?.entries().into_owned();
+        let functions = Array::<f64>::new("functions", functions, &[2])?.view().to_owned();
+        let mass = mass_of(Some(mass), functions.nrows())?;
+        let basis = Basis::new(values, functions, mass).map_err(exception)?;
         Ok(Self { basis, pieces })
     }
 
@@ -114,7 +140,7 @@ pub fn eigenproducts<'py>(
     basis: &Bound<'py, Eigenbasis>,
     order: usize,
     method: &str,
-    threads: Option<i64>,
+    threads: Threads,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Products<'py>> {
     let (method, par) = (orthogonalization(method)?, par(threads)?);
@@ -162,7 +188,7 @@ pub fn functional_map<'py>(
     signatures: bool,
     commutativity: f64,
     refine: &str,
-    threads: Option<i64>,
+    threads: Threads,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
     let par = par(threads)?;
@@ -260,7 +286,7 @@ pub fn transfer<'py>(
     k: (usize, usize),
     order: usize,
     method: &str,
-    threads: Option<i64>,
+    threads: Threads,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (method, par) = (orthogonalization(method)?, par(threads)?);

@@ -9,7 +9,7 @@ use catamaran_geometry::unions::{
 use pyo3::prelude::*;
 
 use crate::array::{Array, from_vec};
-use crate::options::{laplacian_kind, par};
+use crate::options::{Threads, laplacian_kind, par};
 use crate::surface::{Pieces, Surface};
 use crate::task::{Length, run};
 
@@ -24,7 +24,7 @@ pub fn shape_dna<'py>(
     normalized: bool,
     kind: &str,
     weld: bool,
-    threads: Option<i64>,
+    threads: Threads,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyAny>, Pieces)> {
     let laplacian = LaplacianOptions::new().kind(laplacian_kind(kind)?).par(par(threads)?);
