@@ -45,8 +45,8 @@ fn check_count(len: usize, (count, _, left, _): Pieces) -> catamaran::Result<()>
     Err(catamaran::Error::Argument { what: "k", why })
 }
 
-/// A basis as arrays: values, functions, the mass (a vector if it is lumped, else a sparse matrix),
-/// and the components of the mesh.
+/// A basis as arrays, and the components of the mesh: values, functions, and the diagonal of the
+/// mass.
 type BasisParts<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Pieces);
 
 /// The first eigenfunctions of a mesh; see `catamaran.Eigenbasis`.
@@ -78,12 +78,11 @@ pub fn eigenbasis<'py>(
         pairs.vectors = surface.extend(pairs.vectors);
         Ok((pairs, surface.shares(found.mass), pieces))
     })?;
-    let mass = match mass {
-        Mass::Lumped(masses) => from_vec(py, masses).into_any(),
-        mass => mass_parts(py, mass).into_pyobject(py)?.into_any(),
-    };
+    // Of triangles, as the options have it.
+    let Mass::Lumped(masses) = mass else { return Err(refused("mass", "is not a diagonal")) };
     let functions = from_matrix(py, pairs.vectors.as_ref())?.into_any();
-    Ok((from_vec(py, pairs.values).into_any(), functions, mass, pieces))
+    let masses = from_vec(py, masses).into_any();
+    Ok((from_vec(py, pairs.values).into_any(), functions, masses, pieces))
 }
 
 #[pymethods]

@@ -1,8 +1,9 @@
 """A^T A, spectra and geometry at scale.
 
-Matrices are numpy arrays of any strides and meshes are pairs of arrays: vertices (n x 3) and faces
-(m x 3). Long calls release the interpreter, end by Ctrl-C, and tell their progress to a callable or
-a progress bar of tqdm. Results do not depend on the number of threads, bit for bit.
+Matrices are numpy arrays of any strides. Meshes are pairs of arrays, vertices (n x 3) and faces
+(m x 3), or those of trimesh, meshio and pyvista. Long calls release the interpreter, end by Ctrl-C,
+and tell their progress to a callable or a progress bar of tqdm. Results do not depend on the number
+of threads, bit for bit.
 
 >>> import numpy as np
 >>> import catamaran
@@ -31,12 +32,15 @@ from ._spectral import (
     functional_map,
     transfer,
 )
+from ._surface import Mesh
 from ._tables import Table, read
 from ._texture import Fractal, Slime, newton, slime
+from ._threadpool import register
 from ._unions import UnionSpectrum, shape_dna, union_spectrum
 
 warn_of_other()
-del warn_of_other
+register()
+del register, warn_of_other
 
 __all__ = [
     "Accumulator",
@@ -52,6 +56,7 @@ __all__ = [
     "FunctionalMap",
     "Laplacian",
     "LeastSquares",
+    "Mesh",
     "Origin",
     "Orthonormal",
     "Plan",

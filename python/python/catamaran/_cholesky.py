@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
-from ._options import Progress, callback, csr, is_sparse
+from ._options import Csr, Progress, callback, csr, is_sparse, matrix_of
+from ._words import Triangle
 
 __all__ = ["Cholesky", "cholesky"]
 
@@ -41,7 +42,7 @@ class Cholesky:
         -------
         ndarray, of the shape of `b`, or with the wanted rows
         """
-        b = np.asarray(b)
+        b = matrix_of("b", b)
         x = self._handle.solve(b, rows, callback(progress))
         return x[:, 0] if b.ndim == 1 else x
 
@@ -86,7 +87,7 @@ class Cholesky:
         return f"<Cholesky of a {n} x {n} matrix, {self.entries} entries, {len(self.held)} held>"
 
 
-def sparse_of(a: Any) -> Tuple[Any, Any, Any, Tuple[int, int]]:
+def sparse_of(a: Any) -> Csr:
     """Return a matrix of scipy.sparse as the extension takes it."""
     if not is_sparse(a):
         raise TypeError("a: expected a matrix of scipy.sparse")
@@ -96,7 +97,7 @@ def sparse_of(a: Any) -> Tuple[Any, Any, Any, Tuple[int, int]]:
 def cholesky(
     a: Any,
     *,
-    triangle: str = "both",
+    triangle: Triangle = "both",
     semidefinite: bool = False,
     tolerance: Optional[float] = None,
     order: Optional[ArrayLike] = None,

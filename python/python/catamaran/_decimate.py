@@ -9,6 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
 from ._options import Progress, callback, to_scipy
+from ._surface import Mesh, takes_mesh
+from ._words import Reduction
 
 __all__ = ["Decimated", "FarthestPoints", "Origin", "decimate", "farthest_points"]
 
@@ -35,13 +37,19 @@ class Decimated(NamedTuple):
     #: vertex of the input, barycentric coordinates of the nearest point.
     weights: Any
 
+    @property
+    def mesh(self) -> Mesh:
+        """The vertices and faces."""
+        return Mesh(self.v, self.f)
 
+
+@takes_mesh
 def decimate(
     v: ArrayLike,
     f: ArrayLike,
     n: int,
     *,
-    method: str = "uniform",
+    method: Reduction = "uniform",
     resample: bool = True,
     lloyd: int = 0,
     relaxation: int = 12,
@@ -110,6 +118,7 @@ class FarthestPoints(NamedTuple):
     distances: NDArray[np.float64]
 
 
+@takes_mesh
 def farthest_points(
     v: ArrayLike,
     f: ArrayLike,

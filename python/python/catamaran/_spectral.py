@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any, List, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, List, NamedTuple, Optional, Sequence, Tuple, Union, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
 from ._options import Progress, callback, part, to_scipy, warn_of_pieces
+from ._show import axes
+from ._surface import MeshLike, mesh_arrays, with_mesh
+from ._words import Kind, Method, Refinement
 
 __all__ = [
     "Eigenbasis",
@@ -55,16 +58,20 @@ class Eigenbasis(_catamaran.Eigenbasis):
 
     def __new__(
         cls,
-        v: ArrayLike,
-        f: ArrayLike,
+        v: Union[ArrayLike, MeshLike],
+        f: Optional[ArrayLike] = None,
         k: int = 31,
         *,
-        kind: str = "cotangent",
+        kind: Kind = "cotangent",
         weld: bool = False,
         threads: Optional[int] = None,
         progress: Progress = None,
     ) -> Eigenbasis:
-        basis = super().__new__(cls, v, f, k, kind, weld, threads, callback(progress))
+        mesh = mesh_arrays(v)
+        if mesh is not None:
+            v, f = mesh
+        parts = _catamaran.eigenbasis(v, f, k, kind, weld, threads, callback(progress))
+        basis = super().__new__(cls, *parts)
         warn_of_pieces(basis._pieces, dirichlet=False, shifted=False, name="")
         return basis
 
@@ -73,12 +80,21 @@ class Eigenbasis(_catamaran.Eigenbasis):
         """The inner product."""
         return to_scipy(self._mass())
 
+    def __reduce__(self) -> Tuple[Any, ...]:
+        # The mass is a diagonal.
+        masses = self._mass()[0]
+        return (_restored, (self.values, self.functions, masses, self._pieces))
+
     def __repr__(self) -> str:
         return f"Eigenbasis({len(self)} functions)"
 
 
-#: What functions take: a basis, or vertices and faces.
-Shape = Union[Eigenbasis, Tuple[ArrayLike, ArrayLike]]
+def _restored(*parts: Any) -> Eigenbasis:
+    return _catamaran.Eigenbasis.__new__(Eigenbasis, *parts)
+
+
+#: What functions take: a basis, vertices and faces, or a mesh.
+Shape = Union[Eigenbasis, Tuple[ArrayLike, ArrayLike], MeshLike]
 
 
 #: The part of the progress of a call that a basis takes.
@@ -99,7 +115,7 @@ def _bases(
         if isinstance(shape, Eigenbasis):
             bases.append(shape)
             continue
-        v, f = shape
+        v, f = mesh_arrays(shape) or cast(Tuple[Any, Any], shape)
         of_basis = part(progress, start, start + _SHARE)
         bases.append(Eigenbasis(v, f, k, weld=weld, threads=threads, progress=of_basis))
         start += _SHARE
@@ -120,14 +136,15 @@ class Eigenproducts(NamedTuple):
     factors: List[List[int]]
 
 
+@with_mesh
 def eigenproducts(
     v: Any,
     f: Any = None,
     k: int = 30,
     order: int = 2,
     *,
-    method: str = "single_pass",
-    kind: str = "cotangent",
+    method: Method = "single_pass",
+    kind: Kind = "cotangent",
     weld: bool = False,
     threads: Optional[int] = None,
     progress: Progress = None,
@@ -183,6 +200,13 @@ class FunctionalMap(NamedTuple):
     #: The corresponding vertex of the source for each vertex of the target.
     points: NDArray[Any]
 
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the sizes of the coefficients by matplotlib."""
+        ax = axes(ax)
+        ax.imshow(np.abs(self.map))
+        ax.set(xlabel="function of the source", ylabel="function of the target")
+        return ax
+
 
 def functional_map(
     source: Shape,
@@ -194,7 +218,7 @@ def functional_map(
     zoom: int = 100,
     signatures: bool = True,
     commutativity: float = 1e-3,
-    refine: str = "zoomout",
+    refine: Refinement = "zoomout",
     weld: bool = False,
     threads: Optional[int] = None,
     progress: Progress = None,
@@ -203,7 +227,7 @@ def functional_map(
 
     Parameters
     ----------
-    source, target : (v, f) or Eigenbasis
+    source, target : (v, f), a mesh or Eigenbasis
         The meshes. Bases of (v, f) have k + 1 functions, or `zoom` for "zoomout".
     landmarks : array_like, count x 2, optional
         Corresponding vertices.
@@ -239,7 +263,7 @@ def functional_map(
     >>> found.map.shape
     (16, 16)
     """
-    both = (k, k) if isinstance(k, int) else k
+    both = (k, k) if isinstance(k, (int, np.integer)) else k
     lens = (both[0] + 1, both[1] + 1)
     more = [max(n, zoom) if refine == "zoomout" else n for n in lens]
     bases, rest = _bases((source, target), more, weld, threads, progress)
@@ -266,7 +290,7 @@ def transfer(
     points: Optional[ArrayLike] = None,
     k: Union[int, Tuple[int, int]] = 30,
     order: int = 2,
-    method: str = "single_pass",
+    method: Method = "single_pass",
     weld: bool = False,
     threads: Optional[int] = None,
     progress: Progress = None,
@@ -275,7 +299,7 @@ def transfer(
 
     Parameters
     ----------
-    source, target : (v, f) or Eigenbasis
+    source, target : (v, f), a mesh or Eigenbasis
         The meshes.
     functions : array_like, n_source x c, or n_source numbers
         Functions on the source.
@@ -306,7 +330,7 @@ def transfer(
     >>> bool(np.abs(g - v[:, 2]).max() < 0.01)
     True
     """
-    both = (k, k) if isinstance(k, int) else k
+    both = (k, k) if isinstance(k, (int, np.integer)) else k
     lens = (both[0] + 1, both[1] + 1)
     bases, rest = _bases((source, target), lens, weld, threads, progress)
     if points is None:

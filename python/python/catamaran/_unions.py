@@ -10,17 +10,20 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
 from ._options import Progress, callback, warn_of_pieces
+from ._surface import mesh_arrays, takes_mesh
+from ._words import Kind
 
 __all__ = ["UnionSpectrum", "shape_dna", "union_spectrum"]
 
 
+@takes_mesh
 def shape_dna(
     v: ArrayLike,
     f: ArrayLike,
     k: int = 20,
     *,
     normalized: bool = True,
-    kind: str = "cotangent",
+    kind: Kind = "cotangent",
     weld: bool = False,
     threads: Optional[int] = None,
     progress: Progress = None,
@@ -88,7 +91,7 @@ def union_spectrum(
 
     Parameters
     ----------
-    parts : sequence of (v, f) or of 20 eigenvalues
+    parts : sequence of (v, f), of meshes, or of 20 eigenvalues
         The parts, at least two: meshes of which each component has a boundary, or their first 20
         Dirichlet eigenvalues.
     model : path, optional
@@ -119,7 +122,7 @@ def union_spectrum(
     True
     """
     union, spectra, pieces, ood_score = _catamaran.union_spectrum(
-        list(parts), model, weld, callback(progress)
+        [mesh_arrays(part) or part for part in parts], model, weld, callback(progress)
     )
     for i, of_part in enumerate(pieces):
         if of_part is not None:
