@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
-from ._options import Csr, Progress, callback, csr, is_sparse, matrix_of
+from ._options import Csr, Progress, callback, csr, is_sparse
 from ._words import Triangle
 
 __all__ = ["Cholesky", "cholesky"]
@@ -42,9 +42,8 @@ class Cholesky:
         -------
         ndarray, of the shape of `b`, or with the wanted rows
         """
-        b = matrix_of("b", b)
         x = self._handle.solve(b, rows, callback(progress))
-        return x[:, 0] if b.ndim == 1 else x
+        return x[:, 0] if np.ndim(b) == 1 else x
 
     def refactor(self, a: Any, *, progress: Progress = None) -> None:
         """Factorize another matrix in the same order, much sooner than anew.

@@ -376,10 +376,10 @@ class PrincipalComponents:
     def inverse_transform(self, scores: ArrayLike) -> NDArray[np.float64]:
         """Return the rows (m x n) whose scores these are (m x count), in the space of the
         components."""
-        scores = matrix_of("scores", scores)
+        of: Any = matrix_of("scores", scores)
         if self.whiten:
-            scores = scores * np.sqrt(self.explained_variance)
-        rows: NDArray[np.float64] = scores @ self.components
+            of = of * np.sqrt(self.explained_variance)
+        rows: NDArray[np.float64] = of @ self.components
         rows *= self.scale
         rows += self.mean
         return rows
@@ -396,7 +396,7 @@ class PrincipalComponents:
 
     def __str__(self) -> str:
         shares = self.explained_variance_ratio
-        columns = {
+        columns: Dict[str, Any] = {
             "component": range(1, len(shares) + 1),
             "variance": self.explained_variance,
             "share": shares,

@@ -114,14 +114,12 @@ def write_mesh(
     OSError
         Names the file; also where faces would vanish in single precision.
     """
-    if f is None:
-        mesh = mesh_arrays(v)
-        if mesh is None:
-            raise TypeError("f: missing, and v is not a mesh")
-        v, f = mesh
+    mesh: Any = (v, f) if f is not None else mesh_arrays(v)
+    if mesh is None:
+        raise TypeError("f: missing, and v is not a mesh")
     if uv is not None:
         uv = np.asarray(uv, dtype=np.float64)
-    warn(path, _catamaran.write_mesh(path, v, f, colors, uv, overwrite, text))
+    warn(path, _catamaran.write_mesh(path, mesh[0], mesh[1], colors, uv, overwrite, text))
 
 
 def warn(path: Path, notes: Sequence[str]) -> None:

@@ -120,7 +120,7 @@ def matrix_of(name: str, a: Any) -> Any:
     if is_sparse(a):
         return a
     if np.ma.is_masked(a):
-        count = np.ma.count_masked(a)
+        count = np.ma.getmaskarray(a).sum()
         raise ValueError(f"{name}: {count} entries are masked: fill them, or leave out their rows")
     return np.asarray(a)
 

@@ -172,24 +172,26 @@ def cov(
     array([[ 1., -1.],
            [-1.,  1.]])
     """
-    a = matrix_of("a", a)
-    if a.ndim == 2 and rowvar:
-        a = a.T
-    if a.ndim != 2:
-        raise ValueError(f"a: expected an array of 2 dimensions, got {a.ndim}")
+    rows: Any = matrix_of("a", a)
+    if rows.ndim == 2 and rowvar:
+        rows = rows.T
+    if rows.ndim != 2:
+        raise ValueError(f"a: expected an array of 2 dimensions, got {rows.ndim}")
     weights = None
     for more in (fweights, aweights):
         if more is not None:
             more = matrix_of("weights", more).astype(np.float64)
             weights = more if weights is None else weights * more
-    total = a.shape[0] if weights is None else float(weights.sum())
+    total = rows.shape[0] if weights is None else float(weights.sum())
     lost = float(ddof)
     if aweights is not None and ddof and weights is not None:
         lost = ddof * float((weights * np.asarray(aweights, dtype=np.float64)).sum()) / total
     if total - lost <= 0.0:
-        raise ValueError(f"ddof: {ddof} leaves no degree of freedom of {a.shape[0]} observations")
+        raise ValueError(
+            f"ddof: {ddof} leaves no degree of freedom of {rows.shape[0]} observations"
+        )
     return ata(
-        a,
+        rows,
         weights=weights,
         center=True,
         alpha=1.0 / (total - lost),
@@ -229,8 +231,8 @@ def corrcoef(
     array([[ 1., -1.],
            [-1.,  1.]])
     """
-    a = matrix_of("a", a)
-    return _catamaran.corrcoef(rows_of(a.T if rowvar else a), threads, callback(progress))
+    rows: Any = matrix_of("a", a)
+    return _catamaran.corrcoef(rows_of(rows.T if rowvar else rows), threads, callback(progress))
 
 
 def plan(

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from . import _catamaran
 from ._options import Progress, callback, to_scipy, warn_caller
+from ._show import table
 from ._words import FileFormat, MissingCells
 
 __all__ = ["Table", "read"]
@@ -46,6 +47,14 @@ class Table:
     dropped_rows: int
     #: What was decided about a text table, in words; empty for other formats.
     reading: str
+
+    def __str__(self) -> str:
+        from scipy.sparse import issparse
+
+        if issparse(self.values):
+            return str(self.values)
+        names = self.names or [str(number) for number in self.numbers]
+        return table({name: self.values[:, j] for j, name in enumerate(names)})
 
     def factor(self, column: Union[int, str]) -> Factor:
         """Return a factor, given by its name or its place, as `lstsq` takes it."""

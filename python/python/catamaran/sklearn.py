@@ -79,25 +79,25 @@ class PCA(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimator):
             whiten=self.whiten,
             threads=self.threads,
         )
-        self._sums = None
+        self._sums: Optional[Accumulator] = None
         return self._set(found, X.shape[0])
 
     def partial_fit(self, X: Any, y: Any = None) -> PCA:
         """Fit to the rows of X and those of the calls before."""
-        is_first = getattr(self, "_sums", None) is None
-        X = validate_data(self, X, dtype=FLOATS, reset=is_first)
-        if is_first:
-            self._sums = Accumulator(X.shape[1], center=True)
-        self._sums.add(X, threads=self.threads)
-        if self._sums.rows < 2:
+        sums: Optional[Accumulator] = getattr(self, "_sums", None)
+        X = validate_data(self, X, dtype=FLOATS, reset=sums is None)
+        if sums is None:
+            sums = self._sums = Accumulator(X.shape[1], center=True)
+        sums.add(X, threads=self.threads)
+        if sums.rows < 2:
             return self
-        found = self._sums.pca(
+        found = sums.pca(
             self.n_components,
             standardize=self.standardize,
             whiten=self.whiten,
             threads=self.threads,
         )
-        return self._set(found, self._sums.rows)
+        return self._set(found, sums.rows)
 
     def _set(self, found: PrincipalComponents, rows: int) -> PCA:
         self.components_ = found.components
@@ -151,7 +151,7 @@ class PCA(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimator):
         check_is_fitted(self)
         X = validate_data(self, X, dtype=FLOATS, reset=False)
         n, noise = len(self.mean_), self.noise_variance_
-        variances = np.maximum(self.explained_variance_, noise)
+        variances = self.explained_variance_
         found = np.empty(len(X))
         for first in range(0, len(X), BLOCK):
             block = X[first : first + BLOCK]
@@ -162,10 +162,9 @@ class PCA(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimator):
                 across = (centered**2).sum(axis=1) - (scores**2).sum(axis=1)
                 squares += np.maximum(across, 0.0) / noise
             found[first : first + BLOCK] = squares
-        across_count = n - len(variances)
         size = np.log(variances).sum() + 2 * np.log(self.scale_).sum() + n * np.log(2 * np.pi)
         if noise > 0:
-            size += across_count * np.log(noise)
+            size += (n - len(variances)) * np.log(noise)
         return -0.5 * (found + size)
 
     def score(self, X: Any, y: Any = None) -> float:
