@@ -11,6 +11,7 @@ mod ata;
 mod cholesky;
 mod curve;
 mod decimate;
+mod distance;
 mod environment;
 mod error;
 mod exclusive;
@@ -21,6 +22,7 @@ mod options;
 mod ortho;
 mod plant;
 mod product_plan;
+mod repair;
 mod scalar;
 mod sparse;
 mod spectral;
@@ -47,6 +49,8 @@ mod _catamaran {
     #[pymodule_export]
     use crate::decimate::{decimate, farthest_points};
     #[pymodule_export]
+    use crate::distance::{distances, shortest_path};
+    #[pymodule_export]
     use crate::environment::Nearest;
     #[pymodule_export]
     use crate::gram::{corrcoef, lstsq, lstsq_table, orthogonality, pca, scores, svd, t_quantile};
@@ -62,6 +66,8 @@ mod _catamaran {
     use crate::plant::{PlantHandle, grow, read_plant, tubes, wilt};
     #[pymodule_export]
     use crate::product_plan::{Plan, plan};
+    #[pymodule_export]
+    use crate::repair::repair;
     #[pymodule_export]
     use crate::spectral::{Eigenbasis, eigenbasis, eigenproducts, functional_map, transfer};
     #[pymodule_export]

@@ -5,12 +5,14 @@ use catamaran::base::Progress;
 use catamaran::faer::{Mat, Scale};
 use catamaran::sparse::{EigenOptions, Mass, eigs};
 use catamaran_geometry::mesh::{Boundary, LaplacianOptions, laplacian};
-use catamaran_geometry::spectral::descriptors::{wave_kernel_signature, wave_scales};
+use catamaran_geometry::spectral::descriptors::{
+    heat_kernel_signature, heat_times, wave_kernel_signature, wave_scales,
+};
 use catamaran_geometry::spectral::functional_map::{
     MapFit, icp, map_from_points, points_from_map, zoomout,
 };
 use catamaran_geometry::spectral::{
-    Eigenbasis as Basis, ProductBasis, ProductBasisOptions, Transfer,
+    Eigenbasis as Basis, ProductBasis, ProductBasisOptions, Transfer, filter,
 };
 use pyo3::prelude::*;
 
@@ -124,6 +126,61 @@ impl Eigenbasis {
 
     fn _mass<'py>(&self, py: Python<'py>) -> Parts<'py> {
         mass_parts(py, self.basis.basis().mass().clone())
+    }
+
+    /// Functions with each coefficient multiplied by its gain, and what is left by `rest`.
+    #[pyo3(signature = (f, gains, rest, threads))]
+    fn _filter<'py>(
+        &self,
+        py: Python<'py>,
+        f: &Bound<'py, PyAny>,
+        gains: &Bound<'py, PyAny>,
+        rest: f64,
+        threads: Threads,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let f = Array::<f64>::new("functions", f, &[1, 2])?;
+        let gains = Array::<f64>::new("gain", gains, &[1])?.entries().into_owned();
+        let (basis, view, par) = (self.basis.basis(), f.view(), par(threads)?);
+        let found = run(py, Length::Long, None, move |_| filter(basis, view, &gains, rest, par))?;
+        Ok(from_matrix(py, found.as_ref())?.into_any())
+    }
+
+    /// Heat kernel signatures at these times, or at the usual ones, and the times.
+    #[pyo3(signature = (times, count, threads))]
+    fn _heat_signature<'py>(
+        &self,
+        py: Python<'py>,
+        times: Option<&Bound<'py, PyAny>>,
+        count: usize,
+        threads: Threads,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+        let (values, functions) = (self.basis.values(), self.basis.functions());
+        let times = match times {
+            Some(times) => Array::<f64>::new("times", times, &[1])?.entries().into_owned(),
+            None => heat_times(values, count).map_err(exception)?,
+        };
+        let (par, at) = (par(threads)?, &times);
+        let found = run(py, Length::Long, None, move |_| {
+            heat_kernel_signature(values, functions, at, par)
+        })?;
+        Ok((from_matrix(py, found.as_ref())?.into_any(), from_vec(py, times).into_any()))
+    }
+
+    /// Wave kernel signatures at the usual energies, and the energies.
+    #[pyo3(signature = (count, threads))]
+    fn _wave_signature<'py>(
+        &self,
+        py: Python<'py>,
+        count: usize,
+        threads: Threads,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+        let (values, functions) = (self.basis.values(), self.basis.functions());
+        let scales = wave_scales(values, count).map_err(exception)?;
+        let (par, at) = (par(threads)?, &scales);
+        let found = run(py, Length::Long, None, move |_| {
+            wave_kernel_signature(values, functions, at, par)
+        })?;
+        Ok((from_matrix(py, found.as_ref())?.into_any(), from_vec(py, scales.energies).into_any()))
     }
 }
 

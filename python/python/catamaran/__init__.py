@@ -17,6 +17,7 @@ from ._catamaran import Plan, __version__
 from ._cholesky import Cholesky, cholesky
 from ._curve import Curve, Curves, curve
 from ._decimate import Decimated, FarthestPoints, Origin, decimate, farthest_points
+from ._distance import ShortestPath, distances, shortest_path
 from ._distribution import warn_of_other
 from ._gram import SVD, LeastSquares, PrincipalComponents, lstsq, pca, svd
 from ._mesh import Eigenpairs, Laplacian, eigsh, laplacian, read_mesh, write_mesh
@@ -24,6 +25,7 @@ from ._ortho import Orthonormal, orthogonality, orthogonalize, qr
 from ._plant import Plant, Wilting, grow_plant, read_plant, wilt
 from ._preload import numpy_speedup
 from ._products import Accumulator, ata, corrcoef, cov, plan
+from ._repair import Repaired, repair
 from ._spectral import (
     Eigenbasis,
     Eigenproducts,
@@ -62,7 +64,9 @@ __all__ = [
     "Plan",
     "Plant",
     "PrincipalComponents",
+    "Repaired",
     "SVD",
+    "ShortestPath",
     "Slime",
     "Table",
     "UnionSpectrum",
@@ -74,6 +78,7 @@ __all__ = [
     "cov",
     "curve",
     "decimate",
+    "distances",
     "eigenproducts",
     "eigsh",
     "farthest_points",
@@ -91,8 +96,10 @@ __all__ = [
     "read",
     "read_mesh",
     "read_plant",
+    "repair",
     "shape_dna",
     "shapes",
+    "shortest_path",
     "slime",
     "svd",
     "transfer",

@@ -99,6 +99,13 @@ class Eigenbasis:
     @property
     def functions(self) -> Array: ...
     def _mass(self) -> Csr: ...
+    def _filter(
+        self, f: ArrayLike, gains: ArrayLike, rest: float, threads: Optional[int]
+    ) -> Array: ...
+    def _heat_signature(
+        self, times: Optional[ArrayLike], count: int, threads: Optional[int]
+    ) -> Tuple[Array, Array]: ...
+    def _wave_signature(self, count: int, threads: Optional[int]) -> Tuple[Array, Array]: ...
 
 class CholeskyHandle:
     def __new__(
@@ -273,6 +280,20 @@ def transfer(
     threads: Optional[int],
     progress: Callback,
 ) -> Array: ...
+def distances(
+    v: ArrayLike,
+    f: ArrayLike,
+    sources: ArrayLike,
+    heat: bool,
+    time: float,
+    kind: str,
+    threads: Optional[int],
+    progress: Callback,
+) -> Array: ...
+def shortest_path(v: ArrayLike, f: ArrayLike, ends: ArrayLike) -> Tuple[Array, Array, float]: ...
+def repair(
+    v: ArrayLike, f: ArrayLike, steps: Dict[str, Any], progress: Callback
+) -> Tuple[Tuple[Array, Array], Array, List[str]]: ...
 def decimate(
     v: ArrayLike, f: ArrayLike, n: int, how: Dict[str, Any], progress: Callback
 ) -> Tuple[Array, Array, Array, Array, Csr]: ...

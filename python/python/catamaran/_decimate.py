@@ -37,6 +37,20 @@ class Decimated(NamedTuple):
     #: vertex of the input, barycentric coordinates of the nearest point.
     weights: Any
 
+    def carried(self, f: ArrayLike, values: ArrayLike) -> NDArray[Any]:
+        """Return values at the new vertices of those at vertices of the input.
+
+        Parameters
+        ----------
+        f : array_like
+            Faces of the input.
+        values : array_like, a row for each vertex of the input
+            Colours, functions, or other numbers; texture coordinates if the mesh has no seams.
+        """
+        corners = np.asarray(values)[np.asarray(f)[self.origin.face]]
+        found: NDArray[Any] = np.einsum("ij,ij...->i...", self.origin.barycentric, corners)
+        return found
+
     @property
     def mesh(self) -> Mesh:
         """The vertices and faces."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, List, NamedTuple, Optional, Sequence, Tuple, Union, cast
+from typing import Any, Callable, List, NamedTuple, Optional, Sequence, Tuple, Union, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -54,6 +54,7 @@ class Eigenbasis(_catamaran.Eigenbasis):
     >>> basis = catamaran.Eigenbasis(*catamaran.shapes.icosphere(3), 5)
     >>> basis.functions.shape
     (642, 5)
+    >>> smooth = basis.filter(catamaran.shapes.icosphere(3).v, lambda x: x < 3)
     """
 
     def __new__(
@@ -84,6 +85,90 @@ class Eigenbasis(_catamaran.Eigenbasis):
         # The mass is a diagonal.
         masses = self._mass()[0]
         return (_restored, (self.values, self.functions, masses, self._pieces))
+
+    def filter(
+        self,
+        functions: ArrayLike,
+        gain: Callable[[NDArray[np.float64]], ArrayLike],
+        rest: float = 0.0,
+        *,
+        threads: Optional[int] = None,
+    ) -> NDArray[np.float64]:
+        """Multiply the coefficients of functions.
+
+        Parameters
+        ----------
+        functions : array_like, n x c, or n numbers
+            Functions on the vertices, such as coordinates.
+        gain : callable
+            Returns the factor of each coefficient, given the eigenvalues: ``lambda x: x < 3`` is a
+            low-pass filter, and ``lambda x: np.exp(-t * x)`` the diffusion of heat for a time t.
+        rest : float
+            The factor of what is left of the functions outside of the basis.
+        threads
+            As in `ata`.
+
+        Returns
+        -------
+        ndarray, of the shape of `functions`
+        """
+        gains = np.asarray(gain(self.values), dtype=np.float64)
+        found = self._filter(functions, gains, rest, threads)
+        return found[:, 0] if np.ndim(functions) == 1 else found
+
+    def split(
+        self, functions: ArrayLike, *, threads: Optional[int] = None
+    ) -> Tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the nearest functions in the basis, and the details: what is left of them."""
+        low = self.filter(functions, np.ones_like, threads=threads)
+        return low, np.asarray(functions) - low
+
+    def heat_kernel_signature(
+        self,
+        count: int = 100,
+        *,
+        times: Optional[ArrayLike] = None,
+        threads: Optional[int] = None,
+    ) -> Tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Compute heat kernel signatures (Sun, Ovsjanikov and Guibas 2009).
+
+        Parameters
+        ----------
+        count : int
+            Times, from 4 ln 10 over the largest eigenvalue to 4 ln 10 over the smallest one that is
+            not 0, in equal ratios; for no `times`.
+        times : array_like, optional
+            Other times, in units of length^2.
+        threads
+            As in `ata`.
+
+        Returns
+        -------
+        signatures : ndarray, n x count
+            In units of 1 / area.
+        times : ndarray of count numbers
+        """
+        return self._heat_signature(times, count, threads)
+
+    def wave_kernel_signature(
+        self, count: int = 100, *, threads: Optional[int] = None
+    ) -> Tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Compute wave kernel signatures (Aubry, Schlickewei and Cremers 2011).
+
+        Parameters
+        ----------
+        count : int
+            Energies: logarithms of eigenvalues.
+        threads
+            As in `ata`.
+
+        Returns
+        -------
+        signatures : ndarray, n x count
+            In units of 1 / area.
+        energies : ndarray of count numbers
+        """
+        return self._wave_signature(count, threads)
 
     def __repr__(self) -> str:
         return f"Eigenbasis({len(self)} functions)"

@@ -7,6 +7,7 @@ from typing import Literal, Union
 __all__ = [
     "Accuracy",
     "Boundary",
+    "DistanceMethod",
     "FileFormat",
     "Gradient",
     "Kind",
@@ -21,11 +22,13 @@ __all__ = [
     "Scheme",
     "Sums",
     "Triangle",
+    "Weld",
 ]
 
 #: A word, or the factor that errors may grow by.
 Accuracy = Union[Literal["default", "max", "classical", "fast"], float]
 Boundary = Literal["neumann", "dirichlet"]
+DistanceMethod = Literal["heat", "edges"]
 FileFormat = Literal["npy", "mtx", "table", "parquet", "arrow"]
 Gradient = Literal["thesis", "shader"]
 Kind = Literal["cotangent", "intrinsic", "tufted"]
@@ -43,3 +46,5 @@ Scheme = Literal["auto", "float", "classical", "ata2", "winograd", "rxtx", "kgp"
 #: What an accumulator sums in.
 Sums = Literal["float", "exact", "extended"]
 Triangle = Literal["both", "lower", "upper"]
+#: Which vertices a repair joins.
+Weld = Literal["never", "exact", "seams"]
