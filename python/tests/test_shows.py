@@ -75,5 +75,5 @@ def test_results_plot_themselves(rng):
     heights = [bar.get_height() for bar in found.plot().patches]
     assert np.allclose(heights, found.explained_variance_ratio)
     with pytest.raises(ValueError, match="plot: only the points of a plane"):
-        catamaran.newton(size=3, volume=True).plot()
+        catamaran.newton(size=4, power=2, volume=True).plot()
     plt.close("all")

@@ -109,36 +109,36 @@ class LeastSquares:
     def __repr__(self) -> str:
         return f"LeastSquares({self.observations} observations, rank {self.rank})"
 
+    def _rows(self, target: int, values: Any, constant: Any) -> List[float]:
+        """Return the values of a target, that of the intercept first if there is one."""
+        of_target = np.reshape(values, (len(self.x), -1))[:, target]
+        return [*np.ravel(constant)[target : target + 1], *of_target]
+
     def __str__(self) -> str:
-        x = self.x.reshape(len(self.x), -1)
-        first = len(x) - len(self.factor_columns)
+        first = len(self.x) - len(self.factor_columns)
         names = [str(i) for i in range(first)] + list(self.factor_columns)
-        parts = [
+        # The weight is that of errors, which may not have been asked for.
+        fitted = np.isfinite(self.weight) or np.any(np.asarray(self.intercept) != 0)
+        lines = [
             f"{self.observations} observations, rank {self.rank}, {self.degrees_of_freedom} "
             f"degrees of freedom, {self.digits:.1f} digits"
         ]
-        has_errors = np.size(self.standard_errors) > 0
-        for target in range(x.shape[1]):
-
-            def rows(values: Any, constant: Any, target: int = target) -> List[float]:
-                """Return the values of a target, that of the intercept first if there is one."""
-                of_target = list(np.reshape(values, x.shape)[:, target])
-                return list(np.ravel(constant)[target : target + 1]) + of_target
-
-            fitted = np.isfinite(self.weight) or np.any(np.asarray(self.intercept) != 0)
-            constant = self.intercept if fitted else ()
+        shares = np.ravel(self.r_squared)
+        for target, share in enumerate(shares):
             columns: Dict[str, Any] = {
-                "column": (["intercept"] if fitted else []) + names,
-                "coefficient": rows(self.x, constant),
+                "column": ["intercept"] * int(fitted) + names,
+                "coefficient": self._rows(target, self.x, self.intercept if fitted else ()),
             }
-            if has_errors:
-                columns["standard error"] = rows(self.standard_errors, self.intercept_errors)
-                columns["t"] = rows(self.t_statistics, self.intercept_t_statistics)
-                columns["p"] = rows(self.p_values, self.intercept_p_values)
-            share = np.ravel(self.r_squared)[target]
-            heading = f"target {target}: " if x.shape[1] > 1 else ""
-            parts.append(f"{heading}R^2 {share:.6g}\n{table(columns)}")
-        return "\n".join(parts)
+            if np.size(self.standard_errors) > 0:
+                for name, values, constant in [
+                    ("standard error", self.standard_errors, self.intercept_errors),
+                    ("t", self.t_statistics, self.intercept_t_statistics),
+                    ("p", self.p_values, self.intercept_p_values),
+                ]:
+                    columns[name] = self._rows(target, values, constant)
+            heading = f"target {target}: " if len(shares) > 1 else ""
+            lines.append(f"{heading}R^2 {share:.6g}\n{table(columns)}")
+        return "\n".join(lines)
 
     def predict(self, a: ArrayLike) -> NDArray[np.float64]:
         """Return ``A x + intercept``. With factors A has the columns `factor_columns` too."""
