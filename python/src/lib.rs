@@ -69,7 +69,10 @@ mod _catamaran {
     #[pymodule_export]
     use crate::repair::repair;
     #[pymodule_export]
-    use crate::spectral::{Eigenbasis, eigenbasis, eigenproducts, functional_map, transfer};
+    use crate::spectral::{
+        Eigenbasis, eigenbasis, eigenproducts, functional_map, shape_from_spectrum, transfer,
+        transfer_details,
+    };
     #[pymodule_export]
     use crate::spectrum::{eigsh, eigsh_sparse};
     #[pymodule_export]
@@ -77,7 +80,7 @@ mod _catamaran {
     #[pymodule_export]
     use crate::texture::{newton, slime};
     #[pymodule_export]
-    use crate::unions::{shape_dna, union_spectrum};
+    use crate::unions::{locate_union, shape_dna, union_spectrum};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -12,12 +12,14 @@ use catamaran_geometry::spectral::functional_map::{
     MapFit, icp, map_from_points, points_from_map, zoomout,
 };
 use catamaran_geometry::spectral::{
-    Eigenbasis as Basis, ProductBasis, ProductBasisOptions, Transfer, filter,
+    Eigenbasis as Basis, Orthogonalization, ProductBasis, ProductBasisOptions, ShapeOptions,
+    Transfer, filter, shape_from_spectrum as deformed, transfer_details as details,
 };
 use pyo3::prelude::*;
 
 use crate::array::{Array, from_matrix, from_vec};
 use crate::error::{exception, refused};
+use crate::mesh::{Mesh, arrays, mesh};
 use crate::options::{Threads, laplacian_kind, orthogonalization, par, vertices, word};
 use crate::sparse::{Parts, mass as mass_of, mass_parts};
 use crate::surface::{Pieces, Surface};
@@ -330,6 +332,37 @@ fn pairs_of_vertices(pairs: &Bound<'_, PyAny>) -> PyResult<Vec<(u32, u32)>> {
     (0..view.nrows()).map(|i| Ok((number(view[(i, 0)])?, number(view[(i, 1)])?))).collect()
 }
 
+/// How functions go from a mesh to another one.
+struct Route {
+    points: Vec<u32>,
+    k: (usize, usize),
+    order: usize,
+    method: Orthogonalization,
+    par: Par,
+}
+
+impl Route {
+    /// Calls `work` with the transfer between the products of eigenfunctions.
+    fn with_transfer<R>(
+        &self,
+        source: &Basis,
+        target: &Basis,
+        progress: Progress<'_>,
+        work: impl FnOnce(&Transfer<'_>) -> catamaran::Result<R>,
+    ) -> catamaran::Result<R> {
+        let basis = |basis: &Basis, k: usize, part| -> catamaran::Result<ProductBasis> {
+            let options = ProductBasisOptions::new()
+                .orthogonalization(self.method)
+                .par(self.par)
+                .progress(progress.part(part));
+            ProductBasis::new(&basis.truncated(k)?, self.order, &options)
+        };
+        let (from, to) = (basis(source, self.k.0, 0.0..0.4)?, basis(target, self.k.1, 0.4..0.8)?);
+        let map = map_from_points(&self.points, from.basis(), to.basis(), self.par)?;
+        work(&Transfer::new(from.basis(), to.basis(), map)?)
+    }
+}
+
 /// Functions on the target; see `catamaran.transfer`.
 #[pyfunction]
 #[pyo3(signature = (source, target, functions, points, k, order, method, threads, progress))]
@@ -349,20 +382,72 @@ pub fn transfer<'py>(
     for (basis, len) in [(source, k.0), (target, k.1)] {
         check_count(len, basis.get().pieces).map_err(exception)?;
     }
-    let points = vertices("points", points)?;
+    let route = Route { points: vertices("points", points)?, k, order, method, par };
     let f = Array::<f64>::new("functions", functions, &[1, 2])?;
     let (source, target, view) = (&source.get().basis, &target.get().basis, f.view());
     let found = run(py, Length::Long, progress, move |progress| {
-        let basis = |basis: &Basis, k: usize, part| -> catamaran::Result<ProductBasis> {
-            let options = ProductBasisOptions::new()
-                .orthogonalization(method)
-                .par(par)
-                .progress(progress.part(part));
-            ProductBasis::new(&basis.truncated(k)?, order, &options)
-        };
-        let (from, to) = (basis(source, k.0, 0.0..0.4)?, basis(target, k.1, 0.4..0.8)?);
-        let map = map_from_points(&points, from.basis(), to.basis(), par)?;
-        Transfer::new(from.basis(), to.basis(), map)?.apply(view, par)
+        route.with_transfer(source, target, progress, |transfer| transfer.apply(view, par))
     })?;
     Ok(from_matrix(py, found.as_ref())?.into_any())
+}
+
+/// The vertices of the target with the details of the source; see `catamaran.transfer_details`.
+/// Each mesh comes with its basis.
+#[pyfunction]
+#[pyo3(signature = (
+    source_mesh, target_mesh, source, target, smooth, points, k, order, method, threads, progress
+))]
+pub fn transfer_details<'py>(
+    py: Python<'py>,
+    source_mesh: Mesh<'py>,
+    target_mesh: Mesh<'py>,
+    source: &Bound<'py, Eigenbasis>,
+    target: &Bound<'py, Eigenbasis>,
+    smooth: usize,
+    points: &Bound<'py, PyAny>,
+    k: (usize, usize),
+    order: usize,
+    method: &str,
+    threads: Threads,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Mesh<'py>> {
+    let (method, par) = (orthogonalization(method)?, par(threads)?);
+    for (basis, len) in [(source, k.0.min(smooth)), (target, k.1.min(smooth))] {
+        check_count(len, basis.get().pieces).map_err(exception)?;
+    }
+    let route = Route { points: vertices("points", points)?, k, order, method, par };
+    let meshes = (mesh(&source_mesh.0, &source_mesh.1)?, mesh(&target_mesh.0, &target_mesh.1)?);
+    let (source, target) = (&source.get().basis, &target.get().basis);
+    let found = run(py, Length::Long, progress, move |progress| {
+        let low = (source.truncated(smooth)?, target.truncated(smooth)?);
+        route.with_transfer(source, target, progress, |transfer| {
+            details(&meshes.0, &meshes.1, (low.0.basis(), low.1.basis()), transfer, par)
+        })
+    })?;
+    arrays(py, found)
+}
+
+/// A template whose first eigenvalues are these: the mesh, its eigenvalues, their difference and
+/// the number of steps; see `catamaran.shape_from_spectrum`.
+#[pyfunction]
+#[pyo3(signature = (v, f, eigenvalues, steps, tolerance, threads, progress))]
+pub fn shape_from_spectrum<'py>(
+    py: Python<'py>,
+    v: &Bound<'py, PyAny>,
+    f: &Bound<'py, PyAny>,
+    eigenvalues: &Bound<'py, PyAny>,
+    steps: usize,
+    tolerance: f64,
+    threads: Threads,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(Mesh<'py>, Bound<'py, PyAny>, f64, usize)> {
+    let (template, par) = (mesh(v, f)?, par(threads)?);
+    let wanted = Array::<f64>::new("eigenvalues", eigenvalues, &[1])?.entries().into_owned();
+    let found = run(py, Length::Long, progress, move |progress| {
+        let options =
+            ShapeOptions::new().steps(steps).tolerance(tolerance).par(par).progress(progress);
+        deformed(&template, &wanted, &options)
+    })?;
+    let values = from_vec(py, found.eigenvalues).into_any();
+    Ok((arrays(py, found.mesh)?, values, found.error, found.steps))
 }

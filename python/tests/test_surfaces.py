@@ -131,3 +131,37 @@ def test_decimation_carries_attributes():
     heights = found.carried(f, v[:, 2])
     assert heights.shape == (150,) and np.allclose(heights, found.v[:, 2], atol=1e-9)
     assert np.allclose(found.carried(f, np.ones((len(v), 3, 2))), 1)
+
+
+def test_details_are_carried_to_another_pose():
+    v, f = shapes.figure(12)
+    posed, _ = shapes.figure(12, 0.4)
+    # A mesh that gets its own details stays as it is, up to what products can't express.
+    same = catamaran.transfer_details((v, f), catamaran.Mesh(v, f), smooth=8, k=20)
+    size = np.ptp(v)
+    assert np.array_equal(same.f, f)
+    assert np.linalg.norm(same.v - v, axis=1).mean() < 0.02 * size
+    # A mesh of twice the size gets details of twice the height, of the same shape.
+    large = catamaran.transfer_details((v, f), (2 * posed, f), smooth=8, k=20)
+    small = catamaran.transfer_details((v, f), (posed, f), smooth=8, k=20)
+    assert np.allclose(large.v, 2 * small.v, atol=1e-6 * size)
+    with pytest.raises(ValueError, match="points"):
+        catamaran.transfer_details((v, f), (posed, f), smooth=8, k=20, points=[-1])
+
+
+def test_a_shape_is_found_from_its_spectrum():
+    v, f = shapes.disk(8, 24)
+    wanted = catamaran.eigsh(v * [1.0, 1.2, 1.0], f, 6, boundary="dirichlet").values
+    found = catamaran.shape_from_spectrum(v, f, wanted, tolerance=1e-2)
+    assert found.error <= 1e-2 and 0 < found.steps <= 60
+    values = catamaran.eigsh(found.mesh, k=6, boundary="dirichlet").values
+    assert np.allclose(values, found.values, rtol=1e-6)
+    assert np.isclose(np.mean(np.abs(values / wanted - 1)), found.error, rtol=1e-3)
+    with pytest.raises(ValueError, match="eigenvalues"):
+        catamaran.shape_from_spectrum(v, f, wanted[::-1])
+
+
+def test_a_union_is_located_on_the_template_only():
+    disk = shapes.disk(12, 40)
+    with pytest.raises(ValueError, match="template"):
+        catamaran.locate_union([disk, disk], shapes.icosphere(2))

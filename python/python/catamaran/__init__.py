@@ -30,15 +30,18 @@ from ._spectral import (
     Eigenbasis,
     Eigenproducts,
     FunctionalMap,
+    ShapeFromSpectrum,
     eigenproducts,
     functional_map,
+    shape_from_spectrum,
     transfer,
+    transfer_details,
 )
 from ._surface import Mesh
 from ._tables import Table, read
 from ._texture import Fractal, Slime, newton, slime
 from ._threadpool import register
-from ._unions import UnionSpectrum, shape_dna, union_spectrum
+from ._unions import UnionSpectrum, locate_union, shape_dna, union_spectrum
 
 warn_of_other()
 register()
@@ -66,6 +69,7 @@ __all__ = [
     "PrincipalComponents",
     "Repaired",
     "SVD",
+    "ShapeFromSpectrum",
     "ShortestPath",
     "Slime",
     "Table",
@@ -85,6 +89,7 @@ __all__ = [
     "functional_map",
     "grow_plant",
     "laplacian",
+    "locate_union",
     "lstsq",
     "newton",
     "numpy_speedup",
@@ -98,11 +103,13 @@ __all__ = [
     "read_plant",
     "repair",
     "shape_dna",
+    "shape_from_spectrum",
     "shapes",
     "shortest_path",
     "slime",
     "svd",
     "transfer",
+    "transfer_details",
     "union_spectrum",
     "wilt",
     "write_mesh",

@@ -294,6 +294,37 @@ def shortest_path(v: ArrayLike, f: ArrayLike, ends: ArrayLike) -> Tuple[Array, A
 def repair(
     v: ArrayLike, f: ArrayLike, steps: Dict[str, Any], progress: Callback
 ) -> Tuple[Tuple[Array, Array], Array, List[str]]: ...
+def transfer_details(
+    source_mesh: Any,
+    target_mesh: Any,
+    source: Eigenbasis,
+    target: Eigenbasis,
+    smooth: int,
+    points: ArrayLike,
+    k: Tuple[int, int],
+    order: int,
+    method: str,
+    threads: Optional[int],
+    progress: Callback,
+) -> Tuple[Array, Array]: ...
+def shape_from_spectrum(
+    v: ArrayLike,
+    f: ArrayLike,
+    eigenvalues: ArrayLike,
+    steps: int,
+    tolerance: float,
+    threads: Optional[int],
+    progress: Callback,
+) -> Tuple[Tuple[Array, Array], Array, float, int]: ...
+def locate_union(
+    parts: List[Any],
+    v: Any,
+    f: Any,
+    model: Optional[Path],
+    weld: bool,
+    threads: Optional[int],
+    progress: Callback,
+) -> Tuple[Array, List[Optional[Pieces]]]: ...
 def decimate(
     v: ArrayLike, f: ArrayLike, n: int, how: Dict[str, Any], progress: Callback
 ) -> Tuple[Array, Array, Array, Array, Csr]: ...

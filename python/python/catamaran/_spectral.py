@@ -10,16 +10,19 @@ from numpy.typing import ArrayLike, NDArray
 from . import _catamaran
 from ._options import Progress, callback, part, to_scipy, warn_of_pieces
 from ._show import axes
-from ._surface import MeshLike, mesh_arrays, with_mesh
+from ._surface import Mesh, MeshLike, mesh_arrays, takes_mesh, with_mesh
 from ._words import Kind, Method, Refinement
 
 __all__ = [
     "Eigenbasis",
     "Eigenproducts",
     "FunctionalMap",
+    "ShapeFromSpectrum",
     "eigenproducts",
     "functional_map",
+    "shape_from_spectrum",
     "transfer",
+    "transfer_details",
 ]
 
 
@@ -424,3 +427,130 @@ def transfer(
         bases[0], bases[1], functions, points, lens, order, method, threads, callback(rest)
     )
     return found[:, 0] if np.ndim(functions) == 1 else found
+
+
+def transfer_details(
+    source: Union[MeshLike, Tuple[ArrayLike, ArrayLike]],
+    target: Union[MeshLike, Tuple[ArrayLike, ArrayLike]],
+    *,
+    points: Optional[ArrayLike] = None,
+    smooth: int = 20,
+    k: Union[int, Tuple[int, int]] = 30,
+    order: int = 2,
+    method: Method = "single_pass",
+    threads: Optional[int] = None,
+    progress: Progress = None,
+) -> Mesh:
+    """Give a mesh the details of another one, in its own pose.
+
+    Details are the heights of the source over its smooth part, along the normals of that part; they
+    replace those of the target.
+
+    Parameters
+    ----------
+    source, target : (v, f), or a mesh
+        The meshes.
+    smooth : int
+        Eigenfunctions that the smooth parts are made of, the constant one not counted.
+    points, k, order, method
+        As in `transfer`, which carries the heights.
+    threads, progress
+        As in `ata`.
+
+    Returns
+    -------
+    Mesh
+        The target with other vertices.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import catamaran
+    >>> v, f = catamaran.shapes.icosphere(2)
+    >>> found = catamaran.transfer_details((v, f), (v, f), smooth=3, k=8)
+    >>> bool(np.abs(found.v - v).max() < 0.05)
+    True
+    """
+    both = (k, k) if isinstance(k, (int, np.integer)) else k
+    lens = (both[0] + 1, both[1] + 1)
+    meshes = [mesh_arrays(mesh) or cast(Tuple[Any, Any], mesh) for mesh in (source, target)]
+    more = [max(n, smooth + 1) for n in lens]
+    bases, rest = _bases(meshes, more, False, threads, progress)
+    if points is None:
+        points = np.arange(bases[1].functions.shape[0])
+    found = _catamaran.transfer_details(
+        meshes[0],
+        meshes[1],
+        bases[0],
+        bases[1],
+        smooth + 1,
+        points,
+        lens,
+        order,
+        method,
+        threads,
+        callback(rest),
+    )
+    return Mesh(*found)
+
+
+class ShapeFromSpectrum(NamedTuple):
+    """A mesh of `shape_from_spectrum`."""
+
+    #: The template with other vertices.
+    mesh: Mesh
+    #: Its first eigenvalues.
+    values: NDArray[np.float64]
+    #: Their mean relative difference from those that were wanted.
+    error: float
+    #: How many steps were taken.
+    steps: int
+
+
+@takes_mesh
+def shape_from_spectrum(
+    v: ArrayLike,
+    f: ArrayLike,
+    values: ArrayLike,
+    *,
+    steps: int = 60,
+    tolerance: float = 1e-3,
+    threads: Optional[int] = None,
+    progress: Progress = None,
+) -> ShapeFromSpectrum:
+    """Deform a template until the first eigenvalues of its Laplacian are those given.
+
+    Many surfaces have the same eigenvalues: the result is one near the template, or falls short of
+    the tolerance.
+
+    Parameters
+    ----------
+    v, f : array_like, n x 3 and m x 3
+        Vertices and faces of the template.
+    values : array_like of k numbers
+        Positive and ascending; those with Dirichlet boundary values, or, if the template is closed,
+        those that are not 0.
+    steps : int
+        Steps, at most.
+    tolerance : float
+        The mean relative difference at which the deformation ends.
+    threads, progress
+        As in `ata`.
+
+    Returns
+    -------
+    ShapeFromSpectrum
+
+    Examples
+    --------
+    >>> import catamaran
+    >>> v, f = catamaran.shapes.icosphere(2)
+    >>> wanted = [2, 2, 2, 6, 6, 6, 6, 6]  # of a sphere
+    >>> found = catamaran.shape_from_spectrum(v * [1, 1.1, 1.2], f, wanted, tolerance=0.01)
+    >>> found.error <= 0.01
+    True
+    """
+    mesh, eigenvalues, error, count = _catamaran.shape_from_spectrum(
+        v, f, values, steps, tolerance, threads, callback(progress)
+    )
+    return ShapeFromSpectrum(Mesh(*mesh), eigenvalues, error, count)
