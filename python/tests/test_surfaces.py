@@ -134,8 +134,8 @@ def test_decimation_carries_attributes():
 
 
 def test_details_are_carried_to_another_pose():
-    v, f = shapes.figure(8)
-    posed, _ = shapes.figure(8, 0.5)
+    v, f = shapes.figure(5)
+    posed, _ = shapes.figure(5, 0.5)
     # A mesh that gets its own details stays as it is, up to what products can't express.
     same = catamaran.transfer_details((v, f), catamaran.Mesh(v, f), smooth=8, k=20)
     size = np.ptp(v)
