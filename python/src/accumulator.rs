@@ -313,6 +313,11 @@ impl Accumulator {
         threads: Threads,
     ) -> PyResult<Bound<'py, PyDict>> {
         let (sum, par) = (self.valid(py)?.sum_f64()?, par(threads)?);
+        // The relative error of float64 sums.
+        let floor = match sum.is_extended() {
+            true => 0.0,
+            false => (sum.ncols() as f64 * f64::EPSILON).sqrt(),
+        };
         let gram = run(py, Length::Long, None, move |_| {
             if sum.is_extended() {
                 return sum.finish_extended(par);
@@ -324,7 +329,7 @@ impl Accumulator {
             }
             ExtendedGram::from_f64(sum.finish(1.0, Uplo::Lower)?.as_ref(), rows, &mean)
         })?;
-        components_of(py, gram, components, standardize, whiten, threads)
+        components_of(py, gram, floor, components, standardize, whiten, threads)
     }
 
     fn _save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {

@@ -331,17 +331,26 @@ pub fn t_quantile(probability: f64, freedom: f64) -> f64 {
     catamaran::solve::t_quantile(probability, freedom)
 }
 
-/// Principal components of a Gram matrix about the mean, as a dictionary.
+/// Principal components of a Gram matrix about the mean, as a dictionary. Those whose singular
+/// values are less than `floor` times the largest are rounding, and left out.
 pub fn components_of<'py>(
     py: Python<'py>,
     gram: ExtendedGram,
+    floor: f64,
     components: &Bound<'py, PyAny>,
     standardize: bool,
     whiten: bool,
     threads: Threads,
 ) -> PyResult<Bound<'py, PyDict>> {
     let options = principal_options(components, standardize, whiten, threads)?;
-    principal(py, run(py, Length::Long, None, move |_| Principal::from_gram(&gram, &options))?)
+    let mut found = run(py, Length::Long, None, move |_| Principal::from_gram(&gram, &options))?;
+    let least = floor * found.singular_values.first().copied().unwrap_or(0.0);
+    let count = found.singular_values.partition_point(|&value| value >= least);
+    found.components = found.components.as_ref().subrows(0, count).to_owned();
+    found.explained_variance.truncate(count);
+    found.explained_variance_ratio.truncate(count);
+    found.singular_values.truncate(count);
+    principal(py, found)
 }
 
 /// Principal components as a dictionary.

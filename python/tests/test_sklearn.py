@@ -62,6 +62,8 @@ def test_batches_are_the_whole(rng):
     assert np.allclose(np.abs(parts.components_), np.abs(whole.components_), atol=1e-7)
     again = pickle.loads(pickle.dumps(parts)).partial_fit(x[:10])
     assert again.n_samples_ == 510 and np.allclose(parts.mean_, x.mean(axis=0))
+    # Of few rows there are no more components than their rank.
+    assert PCA().partial_fit(x[:4]).components_.shape == (3, 6)
     # A fit forgets them.
     assert parts.fit(x[:50]).n_samples_ == 50 and parts.partial_fit(x[:9]).n_samples_ == 9
 

@@ -429,7 +429,8 @@ class Accumulator(_catamaran.Accumulator):
     ) -> PrincipalComponents:
         """Compute the principal components of float64 sums about the mean; see `catamaran.pca`.
 
-        Unless the sums are extended, singular values below 2e-8 of the largest are rounding.
+        Unless the sums are extended, components whose singular values are below about 1e-7 of the
+        largest are left out: they are rounding.
         """
         return PrincipalComponents(**self._pca(n_components, standardize, whiten, threads))
 
