@@ -313,10 +313,10 @@ impl Accumulator {
         threads: Threads,
     ) -> PyResult<Bound<'py, PyDict>> {
         let (sum, par) = (self.valid(py)?.sum_f64()?, par(threads)?);
-        // The relative error of float64 sums.
+        // Sums in float64 have relative errors of a few roundings for each column.
         let floor = match sum.is_extended() {
             true => 0.0,
-            false => (sum.ncols() as f64 * f64::EPSILON).sqrt(),
+            false => (16.0 * sum.ncols() as f64 * f64::EPSILON).sqrt(),
         };
         let gram = run(py, Length::Long, None, move |_| {
             if sum.is_extended() {
