@@ -224,8 +224,9 @@ def eigsh(
 ) -> Eigenpairs:
     """Compute the first eigenpairs of the Laplacian of a mesh, or of a sparse pencil.
 
-    ``eigsh(v, f, k)`` and ``eigsh(mesh, k)`` take a mesh. ``eigsh(A, M, k)`` takes a symmetric positive semi-definite
-    matrix of scipy.sparse and a mass: a positive definite one, a vector, or None.
+    ``eigsh(v, f, k)`` and ``eigsh(mesh, k)`` take a mesh. ``eigsh(A, M, k)`` takes a symmetric
+    positive semi-definite matrix of scipy.sparse and a mass: a positive definite one, a vector, or
+    None.
 
     Every component of a mesh without a vertex held at zero has an eigenvalue zero. Without `sigma`
     a warning says how many there are where the mesh has several components. Another one says how
