@@ -10,13 +10,13 @@ use catamaran::rows::{Accumulator as Sum, DenseRows, ExtendedGram, RowBounds, sc
 use catamaran::{Error, Real, Uplo};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
+use pyo3::types::{PyBytes, PyDict};
 
 use crate::array::{Array, from_matrix, from_vec};
 use crate::error::{exception, refused};
 use crate::exclusive::{Exclusive, Guard};
-use crate::gram::{Fit, FitOptions, PrincipalComponents};
-use crate::options::{Products, par, word};
+use crate::gram::{Fit, FitOptions, components_of};
+use crate::options::{Products, Threads, par, word};
 use crate::scalar::Scalar;
 use crate::task::{Length, run};
 
@@ -122,7 +122,7 @@ impl Accumulator {
         Ok(get(&self.state.lock(py)?.sums))
     }
 
-    fn extended(&self, py: Python<'_>, threads: Option<i64>) -> PyResult<ExtendedGram> {
+    fn extended(&self, py: Python<'_>, threads: Threads) -> PyResult<ExtendedGram> {
         let (sum, par) = (self.valid(py)?.sum_f64()?, par(threads)?);
         run(py, Length::Long, None, move |_| sum.finish_extended(par))
     }
@@ -130,7 +130,7 @@ impl Accumulator {
 
 fn is_single(rows: &Bound<'_, PyAny>) -> PyResult<bool> {
     use numpy::{PyArrayDescrMethods, PyUntypedArrayMethods};
-    let kind = crate::array::untyped(rows)?.dtype();
+    let kind = crate::array::untyped("rows", rows)?.dtype();
     Ok(kind.kind() == b'f' && kind.itemsize() == 4)
 }
 
@@ -288,7 +288,7 @@ impl Accumulator {
     fn _extended<'py>(
         &self,
         py: Python<'py>,
-        threads: Option<i64>,
+        threads: Threads,
     ) -> PyResult<(Vec<Bound<'py, PyAny>>, bool)> {
         let gram = self.extended(py, threads)?;
         let part = |part: usize| {
@@ -304,16 +304,32 @@ impl Accumulator {
     }
 
     #[pyo3(signature = (components, standardize, whiten, threads))]
-    fn _pca(
+    fn _pca<'py>(
         &self,
-        py: Python<'_>,
-        components: &Bound<'_, PyAny>,
+        py: Python<'py>,
+        components: &Bound<'py, PyAny>,
         standardize: bool,
         whiten: bool,
-        threads: Option<i64>,
-    ) -> PyResult<PrincipalComponents> {
-        let gram = self.extended(py, threads)?;
-        PrincipalComponents::of(py, gram, components, standardize, whiten, threads)
+        threads: Threads,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let (sum, par) = (self.valid(py)?.sum_f64()?, par(threads)?);
+        // Sums in float64 have relative errors of a few roundings for each column.
+        let floor = match sum.is_extended() {
+            true => 0.0,
+            false => (16.0 * sum.ncols() as f64 * f64::EPSILON).sqrt(),
+        };
+        let gram = run(py, Length::Long, None, move |_| {
+            if sum.is_extended() {
+                return sum.finish_extended(par);
+            }
+            let (rows, mean) = (sum.rows(), sum.mean());
+            if sum.weight() != rows as f64 {
+                let why = "principal components of weighted rows need extended sums".into();
+                return Err(Error::Argument { what: "accumulator", why });
+            }
+            ExtendedGram::from_f64(sum.finish(1.0, Uplo::Lower)?.as_ref(), rows, &mean)
+        })?;
+        components_of(py, gram, floor, components, standardize, whiten, threads)
     }
 
     fn _save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {

@@ -19,7 +19,11 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
 
+use crate::error::refused;
 use crate::scalar::Scalar;
+
+/// Steps of numpy's search for a common element of two arrays; after so many they may have one.
+const MAX_WORK: usize = 1_000_000;
 
 /// Rows, columns and strides of a matrix, in elements; a vector is a column.
 #[derive(Clone, Copy)]
@@ -44,9 +48,20 @@ fn numpy<'py>(py: Python<'py>) -> PyResult<&'py Bound<'py, PyAny>> {
 }
 
 /// What `numpy.asarray` or `numpy.from_dlpack` makes of an object: the object itself if it is an
-/// array.
-pub fn untyped<'py>(object: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyUntypedArray>> {
+/// array. Masked entries, whose values mean nothing, are refused.
+pub fn untyped<'py>(
+    name: &str,
+    object: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyUntypedArray>> {
     if let Ok(array) = object.cast::<PyUntypedArray>() {
+        if !array.is_exact_instance_of::<PyUntypedArray>() && array.hasattr("mask")? {
+            let ma = numpy(object.py())?.getattr("ma")?;
+            let count: usize = ma.call_method1("count_masked", (array,))?.extract()?;
+            if count > 0 {
+                let why = "fill them, or leave out their rows";
+                return Err(refused(name, format_args!("{count} entries are masked: {why}")));
+            }
+        }
         return Ok(array.clone());
     }
     let py = object.py();
@@ -95,7 +110,7 @@ impl<'py, T: Scalar> Array<'py, T> {
     /// A view of an array, or of a copy where numbers must be converted. `name` is that of the
     /// argument, in errors; `dimensions` are those that are allowed.
     pub fn new(name: &str, object: &Bound<'py, PyAny>, dimensions: &[usize]) -> PyResult<Self> {
-        let mut array = untyped(object)?;
+        let mut array = untyped(name, object)?;
         let found = array.ndim();
         if !dimensions.contains(&found) {
             let wanted: Vec<_> = dimensions.iter().map(usize::to_string).collect();
@@ -189,10 +204,10 @@ impl<'py, T: Scalar> Array<'py, T> {
         self.array.into_any()
     }
 
-    /// Refuses an output in whose memory an input is.
+    /// Refuses an output that has an element in common with an input. Both may be in one buffer.
     pub fn check_apart<S>(&self, name: &str, input: &Array<'py, S>) -> PyResult<()> {
         let py = self.array.py();
-        let arrays = (&self.array, &input.array);
+        let arrays = (&self.array, &input.array, MAX_WORK);
         if numpy(py)?.call_method1(intern!(py, "may_share_memory"), arrays)?.is_truthy()? {
             return Err(PyValueError::new_err(format!("{name}: shares memory with an input")));
         }

@@ -1,7 +1,10 @@
 //! A^T A and A^T B.
 
+use std::borrow::Cow;
+
 use catamaran::blas::BlasReal;
 use catamaran::faer::complex::Complex;
+use catamaran::io::SparseRows;
 use catamaran::product::ata_sparse as sparse_product;
 use catamaran::rows::{Center, DenseRows, RowBlocks, RowOptions, ata_rows};
 use catamaran::{AtaOptions, Real, aha_into, ahb_into, ata_into as product, atb_into};
@@ -39,7 +42,7 @@ impl<'py> Call<'_, 'py> {
         }
     }
 
-    /// Refuses an `out` in whose memory an input is.
+    /// Refuses an `out` that has an element in common with an input.
     fn check_apart<S, T: Scalar>(&self, c: &Array<'py, T>, input: &Array<'py, S>) -> PyResult<()> {
         if self.out.is_some() { c.check_apart("out", input) } else { Ok(()) }
     }
@@ -73,16 +76,22 @@ pub fn ata<'py>(
         let call = Call { b: None, weights, center, out, alpha, beta, options, progress };
         let (mut rows, n) = (&frame, frame.shape().1);
         return match frame.is_single && !wide {
-            true => of_rows::<f32>(py, &mut rows, zeros(py, [n, n])?, call),
-            false => of_rows::<f64>(py, &mut rows, zeros(py, [n, n])?, call),
+            true => {
+                let about = About::<f32>::new(weights, center)?;
+                of_rows(py, &mut rows, &about, zeros(py, [n, n])?, call)
+            }
+            false => {
+                let about = About::<f64>::new(weights, center)?;
+                of_rows(py, &mut rows, &about, zeros(py, [n, n])?, call)
+            }
         };
     }
-    let a = untyped(a)?;
+    let a = untyped("a", a)?;
     let kind = |array: &Bound<'py, PyUntypedArray>| {
         let kind = array.dtype();
         (kind.kind(), kind.itemsize())
     };
-    let b = b.map(untyped).transpose()?;
+    let b = b.map(|b| untyped("b", b)).transpose()?;
     let mut kinds = vec![kind(&a)];
     kinds.extend(b.as_ref().map(kind));
     let call = Call { b: b.as_deref(), weights, center, out, alpha, beta, options, progress };
@@ -143,6 +152,44 @@ where
     Ok(c.into_any())
 }
 
+/// The weights of rows, and what is subtracted from each.
+struct About<'py, T> {
+    weights: Option<Array<'py, T>>,
+    mean: bool,
+    row: Option<Array<'py, T>>,
+}
+
+impl<'py, T: Scalar + BlasReal> About<'py, T> {
+    /// `center` is None, True for the mean, or a row.
+    fn new(
+        weights: Option<&Bound<'py, PyAny>>,
+        center: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Self> {
+        let vector = |name, object| Array::<T>::new(name, object, &[1]);
+        let mean = center.is_some_and(|center| center.is_exact_instance_of::<PyBool>());
+        Ok(Self {
+            weights: weights.map(|weights| vector("weights", weights)).transpose()?,
+            mean,
+            row: center.filter(|_| !mean).map(|row| vector("center", row)).transpose()?,
+        })
+    }
+
+    /// The entries of the weights and of the row.
+    fn entries(&self) -> (Option<Cow<'_, [T]>>, Option<Cow<'_, [T]>>) {
+        (self.weights.as_ref().map(Array::entries), self.row.as_ref().map(Array::entries))
+    }
+
+    /// Options of the library with these entries.
+    fn options<'a>(&self, weights: Option<&'a [T]>, row: Option<&'a [T]>) -> RowOptions<'a, T> {
+        let center = match row {
+            Some(row) => Center::Given(row),
+            None if self.mean => Center::Mean,
+            None => Center::No,
+        };
+        RowOptions::new().weights(weights).center(center)
+    }
+}
+
 /// The product of weighted or centred rows of S, with a result of T.
 fn rows<'py, S, T>(
     py: Python<'py>,
@@ -157,13 +204,18 @@ where
     let (_, n) = a.shape();
     let c = call.output::<T>(py, [n, n])?;
     call.check_apart(&c, &a)?;
-    of_rows(py, &mut DenseRows(a.view()), c, call)
+    let about = About::<T>::new(call.weights, call.center)?;
+    for vector in [&about.weights, &about.row].into_iter().flatten() {
+        call.check_apart(&c, vector)?;
+    }
+    of_rows(py, &mut DenseRows(a.view()), &about, c, call)
 }
 
 /// The product of rows, weighted or centred, in `c`.
 fn of_rows<'py, T>(
     py: Python<'py>,
     a: &mut (dyn RowBlocks<T> + Send),
+    about: &About<'py, T>,
     mut c: Array<'py, T>,
     call: Call<'_, 'py>,
 ) -> PyResult<Bound<'py, PyAny>>
@@ -172,18 +224,8 @@ where
 {
     let (m, n) = (a.nrows(), a.ncols());
     let (alpha, beta) = (T::from_f64(call.alpha), T::from_f64(call.beta));
-    let weights = call.weights.map(|w| Array::<T>::new("weights", w, &[1])).transpose()?;
-    let mean = call.center.is_some_and(|center| center.is_exact_instance_of::<PyBool>());
-    let given = call.center.filter(|_| !mean);
-    let given = given.map(|center| Array::<T>::new("center", center, &[1])).transpose()?;
-    let weights = weights.as_ref().map(Array::entries);
-    let given = given.as_ref().map(Array::entries);
-    let center = match &given {
-        Some(row) => Center::Given(row),
-        None if mean => Center::Mean,
-        None => Center::No,
-    };
-    let about = RowOptions::new().weights(weights.as_deref()).center(center);
+    let (weights, row) = about.entries();
+    let about = about.options(weights.as_deref(), row.as_deref());
     let length = Length::of(m as f64 * n as f64 * n as f64 / 2.0);
     let (view, options) = (c.view_mut(), &call.options);
     run(py, length, call.progress, move |progress| {
@@ -233,13 +275,15 @@ where
     Ok(c.into_any())
 }
 
-/// A^T A of a sparse matrix by rows; see `catamaran.ata`.
+/// A^T A of a sparse matrix by rows; see `catamaran.ata`. Centred rows are not sparse: they are
+/// filled up block by block.
 #[pyfunction]
-#[pyo3(signature = (a, weights, out, alpha, beta, products, progress))]
+#[pyo3(signature = (a, weights, center, out, alpha, beta, products, progress))]
 pub fn ata_sparse<'py>(
     py: Python<'py>,
     a: Csr<'py>,
     weights: Option<&Bound<'py, PyAny>>,
+    center: Option<&Bound<'py, PyAny>>,
     out: Option<&Bound<'py, PyAny>>,
     alpha: f64,
     beta: f64,
@@ -254,11 +298,22 @@ pub fn ata_sparse<'py>(
         Some(out) => Array::<f64>::output("out", out, [n, n])?,
         None => zeros(py, [n, n])?,
     };
-    let weights = weights.map(|w| Array::<f64>::new("weights", w, &[1])).transpose()?;
-    let weights = weights.as_ref().map(Array::entries);
-    let (view, options, weights) = (c.view_mut(), &options, weights.as_deref());
+    let about = About::<f64>::new(weights, center)?;
+    if out.is_some() {
+        for vector in [&about.weights, &about.row].into_iter().flatten() {
+            c.check_apart("out", vector)?;
+        }
+    }
+    let (weights, row) = about.entries();
+    let (weights, rows) = (weights.as_deref(), about.options(weights.as_deref(), row.as_deref()));
+    let (view, options, matrix) = (c.view_mut(), &options, &matrix);
+    let is_centered = center.is_some();
     run(py, Length::Long, progress, move |progress| {
-        sparse_product(alpha, a, weights, beta, view, &options.clone().progress(progress))
+        let options = options.clone().progress(progress);
+        match is_centered {
+            true => ata_rows(alpha, &mut SparseRows(matrix), &rows, beta, view, &options),
+            false => sparse_product(alpha, a, weights, beta, view, &options),
+        }
     })?;
     Ok(c.into_any())
 }

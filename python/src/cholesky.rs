@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use crate::array::{Array, from_matrix, from_vec};
 use crate::error::refused;
 use crate::exclusive::Exclusive;
-use crate::options::{par, word};
+use crate::options::{Threads, par, word};
 use crate::sparse::Csr;
 use crate::task::{Length, run};
 
@@ -27,7 +27,7 @@ impl CholeskyHandle {
         semidefinite: bool,
         tolerance: Option<f64>,
         order: Option<&Bound<'_, PyAny>>,
-        threads: Option<i64>,
+        threads: Threads,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
         let known =

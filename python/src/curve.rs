@@ -6,26 +6,20 @@ use pyo3::types::PyDict;
 
 use crate::array::{from_rows, from_vec};
 use crate::mesh::mesh;
-use crate::options::{vertices, word};
+use crate::options::{arguments, vertices, word};
 use crate::task::{Length, run};
 
-/// How a curve is found, as a dictionary.
-#[derive(FromPyObject)]
-pub struct How {
-    #[pyo3(item)]
-    mode: String,
-    #[pyo3(item)]
-    open: bool,
-    #[pyo3(item)]
-    single: bool,
-    #[pyo3(item)]
-    steiner: bool,
-    #[pyo3(item)]
-    candidates: usize,
-    #[pyo3(item)]
-    start: usize,
-    #[pyo3(item)]
-    smooth: bool,
+arguments! {
+    /// How a curve is found, as a dictionary.
+    pub struct How {
+        mode: String,
+        open: bool,
+        single: bool,
+        steiner: bool,
+        candidates: usize,
+        start: usize,
+        smooth: bool,
+    }
 }
 
 /// The outcome, whether it is complete, the curves as dictionaries, the samples that are left out.

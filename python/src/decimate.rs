@@ -5,27 +5,21 @@ use pyo3::prelude::*;
 
 use crate::array::{from_rows, from_vec};
 use crate::mesh::{arrays, first_vertex, mesh};
-use crate::options::{par, word};
+use crate::options::{Threads, arguments, par, word};
 use crate::sparse::{Parts, parts};
 use crate::task::{Length, run};
 
-/// How a mesh is decimated, as a dictionary.
-#[derive(FromPyObject)]
-pub struct How {
-    #[pyo3(item)]
-    method: String,
-    #[pyo3(item)]
-    resample: bool,
-    #[pyo3(item)]
-    lloyd: usize,
-    #[pyo3(item)]
-    relaxation: usize,
-    #[pyo3(item)]
-    cut_narrow_handles: bool,
-    #[pyo3(item)]
-    first: Option<i64>,
-    #[pyo3(item)]
-    threads: Option<i64>,
+arguments! {
+    /// How a mesh is decimated, as a dictionary.
+    pub struct How {
+        method: String,
+        resample: bool,
+        lloyd: usize,
+        relaxation: usize,
+        cut_narrow_handles: bool,
+        first: Option<i64>,
+        threads: Threads,
+    }
 }
 
 /// Vertices, faces, the face of the input at each vertex, its weights there, and the matrix from

@@ -2,6 +2,7 @@
 
 use catamaran::base::{Progress, block_rows};
 use catamaran::faer::{Mat, MatRef};
+use catamaran::io::SparseRows;
 use catamaran::rows::{
     Center, DenseRows, Design, DesignColumn, ExtendedGram, Factor, RowBlocks, RowOptions, Survey,
     ata_extended,
@@ -11,6 +12,7 @@ use catamaran::solve::{
     PrincipalComponents as Principal, PrincipalComponentsOptions, RankDeficiency, SingularValues,
     check_weights, correlation, orthogonality as distance,
 };
+use catamaran::sparse::CsMat;
 use catamaran::{AtaOptions, Error, Par};
 use numpy::{PyArrayDescrMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -19,14 +21,17 @@ use pyo3::types::PyDict;
 use crate::array::{Array, from_matrix, from_vec, untyped, zeros};
 use crate::error::exception;
 use crate::frame::Frame;
-use crate::options::{par, word};
+use crate::options::{Threads, arguments, par, word};
+use crate::sparse::Csr;
 use crate::task::{Length, run};
 
-/// Rows of f32 or of f64, which become f64 without rounding, or of a data frame.
+/// Rows of f32 or of f64, which become f64 without rounding, those of a data frame, or those of a
+/// sparse matrix, which are filled up block by block.
 pub enum Rows<'py> {
     F32(Array<'py, f32>),
     F64(Array<'py, f64>),
     Frame(Frame),
+    Sparse(CsMat<f64>),
 }
 
 /// Their view, which other threads may hold.
@@ -35,15 +40,23 @@ pub enum RowsView<'a> {
     F32(MatRef<'a, f32>),
     F64(MatRef<'a, f64>),
     Frame(&'a Frame),
+    Sparse(SparseRows<'a>),
 }
 
 impl<'py> Rows<'py> {
-    /// The rows of an array of these numbers of dimensions, or of a data frame.
-    pub fn new(name: &str, object: &Bound<'py, PyAny>, dimensions: &[usize]) -> PyResult<Self> {
+    /// The rows of an array of these numbers of dimensions, of a data frame or of a sparse matrix.
+    pub fn new(
+        name: &'static str,
+        object: &Bound<'py, PyAny>,
+        dimensions: &[usize],
+    ) -> PyResult<Self> {
+        if object.hasattr("indptr")? {
+            return Ok(Self::Sparse(object.extract::<Csr<'_>>()?.matrix(name)?.to_matrix()?));
+        }
         if let Some(frame) = Frame::of(name, object)? {
             return Ok(Self::Frame(frame));
         }
-        let array = untyped(object)?;
+        let array = untyped(name, object)?;
         let (kind, bytes) = (array.dtype().kind(), array.dtype().itemsize());
         Ok(match kind == b'f' && bytes == 4 {
             true => Self::F32(Array::new(name, &array, dimensions)?),
@@ -57,6 +70,7 @@ impl<'py> Rows<'py> {
             Self::F32(array) => array.shape(),
             Self::F64(array) => array.shape(),
             Self::Frame(frame) => frame.shape(),
+            Self::Sparse(matrix) => matrix.shape(),
         }
     }
 
@@ -66,6 +80,7 @@ impl<'py> Rows<'py> {
             Self::F32(array) => RowsView::F32(array.view()),
             Self::F64(array) => RowsView::F64(array.view()),
             Self::Frame(frame) => RowsView::Frame(frame),
+            Self::Sparse(matrix) => RowsView::Sparse(SparseRows(matrix)),
         }
     }
 }
@@ -76,6 +91,7 @@ impl RowBlocks<f64> for RowsView<'_> {
             Self::F32(view) => view.nrows(),
             Self::F64(view) => view.nrows(),
             Self::Frame(frame) => frame.shape().0,
+            Self::Sparse(rows) => RowBlocks::<f64>::nrows(rows),
         }
     }
 
@@ -84,6 +100,7 @@ impl RowBlocks<f64> for RowsView<'_> {
             Self::F32(view) => view.ncols(),
             Self::F64(view) => view.ncols(),
             Self::Frame(frame) => frame.shape().1,
+            Self::Sparse(rows) => RowBlocks::<f64>::ncols(rows),
         }
     }
 
@@ -96,6 +113,7 @@ impl RowBlocks<f64> for RowsView<'_> {
             Self::F32(view) => DenseRows(*view).read(first, out),
             Self::F64(view) => DenseRows(*view).read(first, out),
             Self::Frame(frame) => frame.read(first, out),
+            Self::Sparse(rows) => rows.read(first, out),
         }
     }
 }
@@ -116,20 +134,16 @@ fn gram_of(
     ata_extended(rows, &RowOptions::new().weights(weights).center(center), &options)
 }
 
-/// How least squares are solved, as a tuple.
-#[derive(FromPyObject)]
-pub struct FitOptions {
-    #[pyo3(item)]
-    ridge: f64,
-    #[pyo3(item)]
-    intercept: bool,
-    #[pyo3(item)]
-    rank_deficiency: String,
-    #[pyo3(item)]
-    standard_errors: bool,
-    /// All cores by default.
-    #[pyo3(item)]
-    pub threads: Option<i64>,
+arguments! {
+    /// How least squares are solved, as a dictionary.
+    pub struct FitOptions {
+        ridge: f64,
+        intercept: bool,
+        rank_deficiency: String,
+        standard_errors: bool,
+        /// All cores by default.
+        pub threads: Threads,
+    }
 }
 
 impl FitOptions {
@@ -328,26 +342,39 @@ pub fn t_quantile(probability: f64, freedom: f64) -> f64 {
     catamaran::solve::t_quantile(probability, freedom)
 }
 
-/// Principal components; see `catamaran.pca`.
-#[pyclass(frozen, module = "catamaran._catamaran")]
-pub struct PrincipalComponents {
-    found: Principal,
+/// Principal components of a Gram matrix about the mean, as a dictionary. Those whose singular
+/// values are less than `floor` times the largest are rounding, and left out.
+pub fn components_of<'py>(
+    py: Python<'py>,
+    gram: ExtendedGram,
+    floor: f64,
+    components: &Bound<'py, PyAny>,
+    standardize: bool,
+    whiten: bool,
+    threads: Threads,
+) -> PyResult<Bound<'py, PyDict>> {
+    let options = principal_options(components, standardize, whiten, threads)?;
+    let mut found = run(py, Length::Long, None, move |_| Principal::from_gram(&gram, &options))?;
+    let least = floor * found.singular_values.first().copied().unwrap_or(0.0);
+    let count = found.singular_values.partition_point(|&value| value >= least);
+    found.components = found.components.as_ref().subrows(0, count).to_owned();
+    found.explained_variance.truncate(count);
+    found.explained_variance_ratio.truncate(count);
+    found.singular_values.truncate(count);
+    principal(py, found)
 }
 
-impl PrincipalComponents {
-    /// Of a Gram matrix about the mean.
-    pub fn of(
-        py: Python<'_>,
-        gram: ExtendedGram,
-        components: &Bound<'_, PyAny>,
-        standardize: bool,
-        whiten: bool,
-        threads: Option<i64>,
-    ) -> PyResult<Self> {
-        let options = principal_options(components, standardize, whiten, threads)?;
-        let found = run(py, Length::Long, None, move |_| Principal::from_gram(&gram, &options))?;
-        Ok(Self { found })
-    }
+/// Principal components as a dictionary.
+fn principal(py: Python<'_>, of: Principal) -> PyResult<Bound<'_, PyDict>> {
+    let found = PyDict::new(py);
+    found.set_item("components", from_matrix(py, of.components.as_ref())?)?;
+    found.set_item("explained_variance", from_vec(py, of.explained_variance))?;
+    found.set_item("explained_variance_ratio", from_vec(py, of.explained_variance_ratio))?;
+    found.set_item("singular_values", from_vec(py, of.singular_values))?;
+    found.set_item("mean", from_vec(py, of.mean))?;
+    found.set_item("scale", from_vec(py, of.scale))?;
+    found.set_item("whiten", of.whiten)?;
+    Ok(found)
 }
 
 /// All components by default, a number of them, or a share of the variance between 0 and 1.
@@ -355,14 +382,14 @@ fn principal_options(
     components: &Bound<'_, PyAny>,
     standardize: bool,
     whiten: bool,
-    threads: Option<i64>,
+    threads: Threads,
 ) -> PyResult<PrincipalComponentsOptions> {
     let components = if components.is_none() {
         Components::All
     } else if let Ok(count) = components.extract::<usize>() {
         Components::Count(count)
     } else {
-        Components::Share(components.extract::<f64>()?)
+        Components::Share(crate::options::extracted("n_components", components)?)
     };
     Ok(PrincipalComponentsOptions::new()
         .components(components)
@@ -381,9 +408,9 @@ pub fn pca<'py>(
     components: &Bound<'py, PyAny>,
     standardize: bool,
     whiten: bool,
-    threads: Option<i64>,
+    threads: Threads,
     progress: Option<Py<PyAny>>,
-) -> PyResult<PrincipalComponents> {
+) -> PyResult<Bound<'py, PyDict>> {
     let a = Rows::new("a", a, &[2])?;
     let weights = weights.map(|w| Array::<f64>::new("weights", w, &[1])).transpose()?;
     let weights = weights.as_ref().map(Array::entries);
@@ -393,73 +420,48 @@ pub fn pca<'py>(
         let gram = gram_of(&mut a, weights, true, options.par, progress)?;
         Principal::from_gram(&gram, &options)
     })?;
-    Ok(PrincipalComponents { found })
+    principal(py, found)
 }
 
-#[pymethods]
-impl PrincipalComponents {
-    #[getter]
-    fn components<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        Ok(from_matrix(py, self.found.components.as_ref())?.into_any())
-    }
-
-    #[getter]
-    fn explained_variance<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
-        from_vec(py, self.found.explained_variance.clone()).into_any()
-    }
-
-    #[getter]
-    fn explained_variance_ratio<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
-        from_vec(py, self.found.explained_variance_ratio.clone()).into_any()
-    }
-
-    #[getter]
-    fn singular_values<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
-        from_vec(py, self.found.singular_values.clone()).into_any()
-    }
-
-    #[getter]
-    fn mean<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
-        from_vec(py, self.found.mean.clone()).into_any()
-    }
-
-    #[getter]
-    fn scale<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
-        from_vec(py, self.found.scale.clone()).into_any()
-    }
-
-    #[getter]
-    fn whiten(&self) -> bool {
-        self.found.whiten
-    }
-
-    /// The scores of rows, block by block.
-    #[pyo3(signature = (rows, progress))]
-    fn transform<'py>(
-        &self,
-        py: Python<'py>,
-        rows: &Bound<'py, PyAny>,
-        progress: Option<Py<PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let rows = Rows::new("rows", rows, &[2])?;
-        let (m, n) = rows.shape();
-        let mut scores = zeros::<f64>(py, [m, self.found.components.nrows()])?;
-        let (mut rows, mut out, found) = (rows.view(), scores.view_mut(), &self.found);
-        let length = Length::of(m as f64 * n as f64 * found.components.nrows() as f64);
-        run(py, length, progress, move |progress| {
-            let check =
-                |n| Error::Shape { what: "rows", expected: (m, found.mean.len()), got: (m, n) };
-            if n != found.mean.len() {
-                return Err(check(n));
-            }
-            for_blocks(&mut rows, progress, |first, block| {
-                let scores = found.scores(block)?;
-                out.as_mut().subrows_mut(first, scores.nrows()).copy_from(&scores);
-                Ok(())
-            })
-        })?;
-        Ok(scores.into_any())
-    }
+/// The scores of rows, block by block. `of` has the attributes of
+/// `catamaran.PrincipalComponents`.
+#[pyfunction]
+#[pyo3(signature = (rows, of, progress))]
+pub fn scores<'py>(
+    py: Python<'py>,
+    rows: &Bound<'py, PyAny>,
+    of: &Bound<'py, PyAny>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let vector = |name: &str| -> PyResult<Vec<f64>> {
+        Ok(Array::<f64>::new(name, &of.getattr(name)?, &[1])?.entries().into_owned())
+    };
+    let found = Principal::from_parts(
+        Array::<f64>::new("components", &of.getattr("components")?, &[2])?.view().to_owned(),
+        [
+            vector("explained_variance")?,
+            vector("explained_variance_ratio")?,
+            vector("singular_values")?,
+        ],
+        vector("mean")?,
+        vector("scale")?,
+        of.getattr("whiten")?.extract()?,
+    )
+    .map_err(exception)?;
+    let rows = Rows::new("rows", rows, &[2])?;
+    let (m, n) = rows.shape();
+    let mut scores = zeros::<f64>(py, [m, found.components.nrows()])?;
+    let (mut rows, mut out) = (rows.view(), scores.view_mut());
+    let length = Length::of(m as f64 * n as f64 * found.components.nrows() as f64);
+    run(py, length, progress, move |progress| {
+        Error::check_shape("rows", (m, found.mean.len()), (m, n))?;
+        for_blocks(&mut rows, progress, |first, block| {
+            let scores = found.scores(block)?;
+            out.as_mut().subrows_mut(first, scores.nrows()).copy_from(&scores);
+            Ok(())
+        })
+    })?;
+    Ok(scores.into_any())
 }
 
 /// Calls `work` with blocks of rows and the number of their first row.
@@ -486,7 +488,7 @@ fn for_blocks(
 pub fn svd<'py>(
     py: Python<'py>,
     a: &Bound<'py, PyAny>,
-    threads: Option<i64>,
+    threads: Threads,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
     let (a, par) = (Rows::new("a", a, &[2])?, par(threads)?);
@@ -523,7 +525,7 @@ pub fn gram_qr<'py>(
 pub fn corrcoef<'py>(
     py: Python<'py>,
     a: &Bound<'py, PyAny>,
-    threads: Option<i64>,
+    threads: Threads,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (a, par) = (Rows::new("a", a, &[2])?, par(threads)?);
@@ -540,7 +542,7 @@ pub fn corrcoef<'py>(
 pub fn orthogonality<'py>(
     py: Python<'py>,
     q: &Bound<'py, PyAny>,
-    threads: Option<i64>,
+    threads: Threads,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(f64, f64)> {
     let (q, par) = (Rows::new("q", q, &[2])?, par(threads)?);

@@ -11,6 +11,7 @@ mod ata;
 mod cholesky;
 mod curve;
 mod decimate;
+mod distance;
 mod environment;
 mod error;
 mod exclusive;
@@ -22,6 +23,7 @@ mod options;
 mod ortho;
 mod plant;
 mod product_plan;
+mod repair;
 mod scalar;
 mod sparse;
 mod spectral;
@@ -48,15 +50,17 @@ mod _catamaran {
     #[pymodule_export]
     use crate::decimate::{decimate, farthest_points};
     #[pymodule_export]
+    use crate::distance::{distances, shortest_path};
+    #[pymodule_export]
     use crate::environment::Nearest;
     #[pymodule_export]
-    use crate::gram::{
-        PrincipalComponents, corrcoef, lstsq, lstsq_table, orthogonality, pca, svd, t_quantile,
-    };
+    use crate::gram::{corrcoef, lstsq, lstsq_table, orthogonality, pca, scores, svd, t_quantile};
     #[pymodule_export]
     use crate::mesh::{laplacian, shape};
     #[pymodule_export]
     use crate::mesh_file::{read_mesh, write_mesh};
+    #[pymodule_export]
+    use crate::options::{get_num_threads, set_num_threads};
     #[pymodule_export]
     use crate::ortho::{orthogonalize, qr};
     #[pymodule_export]
@@ -64,7 +68,12 @@ mod _catamaran {
     #[pymodule_export]
     use crate::product_plan::{Plan, plan};
     #[pymodule_export]
-    use crate::spectral::{Eigenbasis, eigenproducts, functional_map, transfer};
+    use crate::repair::repair;
+    #[pymodule_export]
+    use crate::spectral::{
+        Eigenbasis, eigenbasis, eigenproducts, functional_map, shape_from_spectrum, transfer,
+        transfer_details,
+    };
     #[pymodule_export]
     use crate::spectrum::{eigsh, eigsh_sparse};
     #[pymodule_export]
@@ -72,7 +81,7 @@ mod _catamaran {
     #[pymodule_export]
     use crate::texture::{newton, slime};
     #[pymodule_export]
-    use crate::unions::{shape_dna, union_spectrum};
+    use crate::unions::{locate_union, shape_dna, union_spectrum};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

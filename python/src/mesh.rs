@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 
 use crate::array::{Array, from_rows, from_vec, untyped};
 use crate::error::{exception, refused};
-use crate::options::{laplacian as options, par};
+use crate::options::{Threads, laplacian as options, par};
 use crate::sparse::{Parts, mass_parts, parts};
 use crate::surface::Surface;
 use crate::task::{Length, run};
@@ -34,7 +34,7 @@ pub fn positions(name: &str, vertices: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 
 /// Rows of three numbers of vertices.
 fn triangles(name: &str, faces: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
     use numpy::{PyArrayDescrMethods, PyUntypedArrayMethods};
-    let array = untyped(faces)?;
+    let array = untyped(name, faces)?;
     let kind = array.dtype().kind();
     if !matches!(kind, b'i' | b'u') && !array.is_empty() {
         return Err(PyTypeError::new_err(format!(
@@ -111,7 +111,7 @@ pub fn laplacian<'py>(
     mass: &str,
     boundary: &Bound<'py, PyAny>,
     weld: bool,
-    threads: Option<i64>,
+    threads: Threads,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Parts<'py>, Parts<'py>, Bound<'py, PyAny>)> {
     let mut options = options(kind, mass, boundary, par(threads)?)?;

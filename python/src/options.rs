@@ -1,11 +1,13 @@
 //! Words and numbers of Python as options of the library.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use catamaran::{Accuracy, AtaOptions, Par, SchemeChoice, Uplo};
 use catamaran_geometry::mesh::{Boundary, LaplacianKind, LaplacianOptions, MassKind};
 use catamaran_geometry::spectral::Orthogonalization;
-use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::PyString;
+use pyo3::types::{PyString, PyTuple};
 
 use crate::array::Array;
 use crate::error::refused;
@@ -19,10 +21,93 @@ pub fn word<T: Copy>(name: &str, found: &str, known: &[(&str, T)]) -> PyResult<T
     Err(refused(name, format_args!("'{found}' is not one of {}", words.join(", "))))
 }
 
-/// Threads: all cores by default.
-pub fn par(threads: Option<i64>) -> PyResult<Par> {
-    match threads {
-        None => Ok(Par::all()),
+/// The value of an argument; an error names the argument.
+pub fn extracted<'py, T>(name: &str, value: &Bound<'py, PyAny>) -> PyResult<T>
+where
+    T: FromPyObjectOwned<'py>,
+{
+    let py = value.py();
+    value.extract::<T>().map_err(|error| {
+        let error: PyErr = error.into();
+        let why = format!("{name}: {}", error.value(py));
+        if why.starts_with(&format!("{name}: {name}: ")) {
+            // Some types know the name of their argument.
+            error
+        } else if error.is_instance_of::<PyTypeError>(py) {
+            PyTypeError::new_err(why)
+        } else if error.is_instance_of::<PyOverflowError>(py) {
+            PyValueError::new_err(why)
+        } else {
+            error
+        }
+    })
+}
+
+/// Declares arguments that come as a dictionary, whose keys are the names of the fields; an error
+/// names the argument.
+macro_rules! arguments {
+    ($(#[$doc:meta])* $vis:vis struct $name:ident {
+        $($(#[$field_doc:meta])* $field_vis:vis $field:ident: $type:ty,)*
+    }) => {
+        $(#[$doc])*
+        $vis struct $name {
+            $($(#[$field_doc])* $field_vis $field: $type,)*
+        }
+
+        impl<'py> FromPyObject<'_, 'py> for $name {
+            type Error = PyErr;
+
+            fn extract(dict: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+                Ok(Self {
+                    $($field: $crate::options::extracted(
+                        stringify!($field),
+                        &dict.get_item(stringify!($field))?,
+                    )?,)*
+                })
+            }
+        }
+    };
+}
+pub(crate) use arguments;
+
+/// The most threads of a call that names no number, as threadpoolctl sets it; 0 for all cores.
+static LIMIT: AtomicUsize = AtomicUsize::new(0);
+
+/// Sets the number of threads of calls that name none.
+#[pyfunction]
+pub fn set_num_threads(threads: usize) {
+    LIMIT.store(threads, Ordering::Relaxed);
+}
+
+/// Returns the number of threads of calls that name none.
+#[pyfunction]
+pub fn get_num_threads() -> usize {
+    default_par().threads()
+}
+
+fn default_par() -> Par {
+    match LIMIT.load(Ordering::Relaxed) {
+        0 => Par::all(),
+        limit => Par::Threads(limit.min(Par::all().threads())),
+    }
+}
+
+/// A number of threads, as an argument; None for the default.
+#[derive(Clone, Copy)]
+pub struct Threads(Option<i64>);
+
+impl<'py> FromPyObject<'_, 'py> for Threads {
+    type Error = PyErr;
+
+    fn extract(threads: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        extracted("threads", &threads).map(Self)
+    }
+}
+
+/// Threads: all cores by default, or as many as threadpoolctl allows.
+pub fn par(threads: Threads) -> PyResult<Par> {
+    match threads.0 {
+        None => Ok(default_par()),
         Some(1) => Ok(Par::Seq),
         Some(threads) => match usize::try_from(threads) {
             Err(_) | Ok(0) => Err(refused("threads", "must be at least 1")),
@@ -32,19 +117,31 @@ pub fn par(threads: Option<i64>) -> PyResult<Par> {
 }
 
 /// How products are computed, as a tuple: uplo, scheme, accuracy, reproducible, threads.
-#[derive(FromPyObject)]
-pub struct Products<'py>(String, String, Bound<'py, PyAny>, bool, Option<i64>);
+pub struct Products<'py>(pub Bound<'py, PyTuple>);
+
+impl<'py> FromPyObject<'_, 'py> for Products<'py> {
+    type Error = PyErr;
+
+    fn extract(tuple: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        Ok(Self(tuple.cast::<PyTuple>()?.clone()))
+    }
+}
 
 impl Products<'_> {
     /// As options of the library.
     pub fn options(&self) -> PyResult<AtaOptions<'static>> {
-        let Self(part, scheme, error, reproducible, threads) = self;
+        let [part, scheme, error, reproducible, threads] =
+            [0, 1, 2, 3, 4].map(|i| self.0.get_item(i));
         Ok(AtaOptions::new()
-            .uplo(uplo(part)?)
-            .scheme(word("scheme", scheme, &SchemeChoice::NAMES)?)
-            .accuracy(accuracy(error)?)
-            .reproducible(*reproducible)
-            .par(par(*threads)?))
+            .uplo(uplo(&extracted::<String>("uplo", &part?)?)?)
+            .scheme(word(
+                "scheme",
+                &extracted::<String>("scheme", &scheme?)?,
+                &SchemeChoice::NAMES,
+            )?)
+            .accuracy(accuracy(&error?)?)
+            .reproducible(extracted("reproducible", &reproducible?)?)
+            .par(par(threads?.extract()?)?))
     }
 }
 

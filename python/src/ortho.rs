@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 
 use crate::array::{Array, from_matrix, from_vec, zeros};
 use crate::gram::gram_qr;
-use crate::options::{par, word};
+use crate::options::{Threads, par, word};
 use crate::sparse::mass as mass_of;
 use crate::task::{Length, run};
 
@@ -16,7 +16,7 @@ pub fn qr<'py>(
     py: Python<'py>,
     a: &Bound<'py, PyAny>,
     mass: Option<&Bound<'py, PyAny>>,
-    threads: Option<i64>,
+    threads: Threads,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
     let par = par(threads)?;
@@ -44,7 +44,7 @@ pub fn orthogonalize<'py>(
     mass: Option<&Bound<'py, PyAny>>,
     method: &str,
     threshold: Option<f64>,
-    threads: Option<i64>,
+    threads: Threads,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>)> {
     let known = [("single_pass", 0), ("reorthogonalized", 1), ("rank_revealing", 2)];

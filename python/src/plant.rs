@@ -7,22 +7,26 @@ use catamaran::base::Progress;
 use catamaran::faer::Mat;
 use catamaran_simulation::plant::families::{GrowthOptions, grow as grow_plant};
 use catamaran_simulation::plant::{
-    Conductivity, Elasticity, Interval, Plant as Graph, Pose, RodOptions, Rods, WaterModel,
-    WaterOptions, WiltOptions, Wilting, grams_per_hour, read, tubes as tubes_of,
+    Conductivity, Elasticity, Interval, Plant as Graph, Pose, RodOptions, Rods, Segment,
+    WaterModel, WaterOptions, WiltOptions, Wilting, grams_per_hour, read, tubes as tubes_of,
     wilt as wilt_plant,
 };
 use pyo3::prelude::*;
 
-use crate::array::{from_matrix, from_rows, from_vec};
-use crate::error::refused;
+use crate::array::{Array, from_matrix, from_rows, from_vec};
+use crate::error::{exception, refused};
 use crate::mesh::{Mesh, arrays, positions};
-use crate::options::par;
+use crate::options::{Threads, arguments, par};
 use crate::task::{Length, run};
 
 /// A plant as arrays: the tails of its segments, their radii, parents (-1 at the root), whether
 /// they are on leaves, and the base.
 type Parts<'py> =
     (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
+
+/// Of a segment: whether it is the stalk of a leaf, the area of leaf that it supplies if it is not
+/// that of the thesis, whether it is fixed in space.
+type More = (bool, Option<f64>, bool);
 
 /// A plant of the library, which Python's side holds.
 #[pyclass(frozen, module = "catamaran._catamaran")]
@@ -32,6 +36,48 @@ pub struct PlantHandle {
 
 #[pymethods]
 impl PlantHandle {
+    /// A plant of the arrays that `arrays` returns.
+    #[new]
+    #[pyo3(signature = (tails, radii, parents, leaves, base, more))]
+    fn new(
+        tails: &Bound<'_, PyAny>,
+        radii: &Bound<'_, PyAny>,
+        parents: &Bound<'_, PyAny>,
+        leaves: Vec<bool>,
+        base: [f64; 3],
+        more: Vec<More>,
+    ) -> PyResult<Self> {
+        let tails = positions("tails", tails)?;
+        let radii = Array::<f64>::new("radii", radii, &[1])?;
+        let parents = Array::<i64>::new("parents", parents, &[1])?;
+        let counts = [radii.shape().0, parents.shape().0, leaves.len(), more.len()];
+        if let Some(count) = counts.into_iter().find(|&count| count != tails.len()) {
+            return Err(refused("tails", format_args!("{} of them, but {count}", tails.len())));
+        }
+        let radii = radii.entries();
+        let segment = |v: usize| {
+            let (petiole, leaf_area, pinned) = more[v];
+            Segment {
+                leaf: leaves[v],
+                petiole,
+                leaf_area,
+                pinned,
+                ..Segment::stem(tails[v], radii[v])
+            }
+        };
+        let parents: Vec<Option<u32>> =
+            parents.entries().iter().map(|&parent| u32::try_from(parent).ok()).collect();
+        let segments = (0..tails.len()).map(segment).collect();
+        let graph = Graph::new(segments, &parents, Some(base)).map_err(exception)?;
+        Ok(Self { graph })
+    }
+
+    /// What arrays do not say of each segment: petiole, area of leaf, pinned.
+    fn more(&self) -> Vec<More> {
+        let segments = self.graph.segments().iter();
+        segments.map(|segment| (segment.petiole, segment.leaf_area, segment.pinned)).collect()
+    }
+
     fn __len__(&self) -> usize {
         self.graph.len()
     }
@@ -66,29 +112,20 @@ pub fn grow(py: Python<'_>, nodes: usize, seed: u64) -> PyResult<PlantHandle> {
     run(py, Length::Long, None, move |_| grow_plant(&options)).map(|graph| PlantHandle { graph })
 }
 
-/// What a plant goes through, as a dictionary.
-#[derive(FromPyObject)]
-pub struct Weather {
-    #[pyo3(item)]
-    hours: f64,
-    #[pyo3(item)]
-    frames: usize,
-    #[pyo3(item)]
-    loss: f64,
-    #[pyo3(item)]
-    day_night: bool,
-    #[pyo3(item)]
-    conductance: f64,
-    #[pyo3(item)]
-    elasticity: (f64, f64),
-    #[pyo3(item)]
-    steepness: f64,
-    #[pyo3(item)]
-    shift: f64,
-    #[pyo3(item)]
-    damage: Vec<(usize, f64)>,
-    #[pyo3(item)]
-    threads: Option<i64>,
+arguments! {
+    /// What a plant goes through, as a dictionary.
+    pub struct Weather {
+        hours: f64,
+        frames: usize,
+        loss: f64,
+        day_night: bool,
+        conductance: f64,
+        elasticity: (f64, f64),
+        steepness: f64,
+        shift: f64,
+        damage: Vec<(usize, f64)>,
+        threads: Threads,
+    }
 }
 
 impl Weather {
@@ -173,7 +210,7 @@ pub fn tubes<'py>(
     thinnest: f64,
 ) -> PyResult<Mesh<'py>> {
     let [heads, tails, rotations] = &pose;
-    let rotations = crate::array::Array::<f64>::new("rotations", rotations, &[2])?;
+    let rotations = Array::<f64>::new("rotations", rotations, &[2])?;
     let view = rotations.view();
     if view.ncols() != 4 {
         return Err(refused("rotations", "expected 4 columns"));

@@ -11,18 +11,22 @@ use crate::options::{Products, word};
 #[pyclass(frozen, module = "catamaran")]
 pub struct Plan {
     plan: ProductPlan,
+    /// The arguments of [`plan`], which make the plan again.
+    arguments: Py<PyAny>,
 }
 
 /// The plan of A^T A, or of A^T B with B of k columns.
 #[pyfunction]
 #[pyo3(signature = (m, n, k, scalar, products))]
-pub fn plan(
+pub fn plan<'py>(
+    py: Python<'py>,
     m: usize,
     n: usize,
     k: Option<usize>,
     scalar: &str,
-    products: Products<'_>,
+    products: Products<'py>,
 ) -> PyResult<Plan> {
+    let arguments = (m, n, k, scalar, &products.0).into_pyobject(py)?.into_any().unbind();
     let _nearest = FloatEnv::nearest();
     let options = products.options()?;
     let single = word("dtype", scalar, &[("float64", false), ("float32", true)])?;
@@ -32,7 +36,7 @@ pub fn plan(
         (Some(k), false) => ProductPlan::atb::<f64>(m, n, k, &options),
         (Some(k), true) => ProductPlan::atb::<f32>(m, n, k, &options),
     };
-    Ok(Plan { plan: plan.map_err(exception)? })
+    Ok(Plan { plan: plan.map_err(exception)?, arguments })
 }
 
 #[pymethods]
@@ -59,6 +63,11 @@ impl Plan {
     #[getter]
     fn isa(&self) -> Option<&'static str> {
         self.plan.isa()
+    }
+
+    /// For pickles, whose reader plans for its own machine.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Py<PyAny>)> {
+        Ok((py.import("catamaran._catamaran")?.getattr("plan")?, self.arguments.clone_ref(py)))
     }
 
     fn __repr__(&self) -> String {

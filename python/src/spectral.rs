@@ -3,21 +3,25 @@
 use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran::faer::{Mat, Scale};
-use catamaran::sparse::{EigenOptions, eigs};
+use catamaran::sparse::{EigenOptions, Mass, eigs};
 use catamaran_geometry::mesh::{Boundary, LaplacianOptions, laplacian};
-use catamaran_geometry::spectral::descriptors::{wave_kernel_signature, wave_scales};
+use catamaran_geometry::spectral::descriptors::{
+    heat_kernel_signature, heat_times, wave_kernel_signature, wave_scales,
+};
 use catamaran_geometry::spectral::functional_map::{
     MapFit, icp, map_from_points, points_from_map, zoomout,
 };
 use catamaran_geometry::spectral::{
-    Eigenbasis as Basis, ProductBasis, ProductBasisOptions, Transfer,
+    Eigenbasis as Basis, Orthogonalization, ProductBasis, ProductBasisOptions, ShapeOptions,
+    Transfer, filter, shape_from_spectrum as deformed, transfer_details as details,
 };
 use pyo3::prelude::*;
 
 use crate::array::{Array, from_matrix, from_vec};
 use crate::error::{exception, refused};
-use crate::options::{laplacian_kind, orthogonalization, par, vertices, word};
-use crate::sparse::{Parts, mass_parts};
+use crate::mesh::{Mesh, arrays, mesh};
+use crate::options::{Threads, laplacian_kind, orthogonalization, par, vertices, word};
+use crate::sparse::{Parts, mass as mass_of, mass_parts};
 use crate::surface::{Pieces, Surface};
 use crate::task::{Length, run};
 
@@ -45,36 +49,61 @@ fn check_count(len: usize, (count, _, left, _): Pieces) -> catamaran::Result<()>
     Err(catamaran::Error::Argument { what: "k", why })
 }
 
+/// A basis as arrays, and the components of the mesh: values, functions, and the diagonal of the
+/// mass.
+type BasisParts<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Pieces);
+
+/// The first eigenfunctions of a mesh; see `catamaran.Eigenbasis`.
+#[pyfunction]
+#[pyo3(signature = (v, f, k, kind, weld, threads, progress))]
+pub fn eigenbasis<'py>(
+    py: Python<'py>,
+    v: &Bound<'py, PyAny>,
+    f: &Bound<'py, PyAny>,
+    k: usize,
+    kind: &str,
+    weld: bool,
+    threads: Threads,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<BasisParts<'py>> {
+    let (surface, par) = (Surface::new(v, f, weld)?, par(threads)?);
+    let options = LaplacianOptions::new().kind(laplacian_kind(kind)?).par(par);
+    let (pairs, mass, pieces) = run(py, Length::Long, progress, move |progress| {
+        let found = laplacian(&surface.mesh, &options)?;
+        let missing = (0..found.vertices).find(|&v| found.kept.get(v) != Some(&v));
+        if let Some(vertex) = missing {
+            let element = format!("vertex {}", surface.firsts()(vertex));
+            return Err(catamaran::Error::Mesh { what: "it is in no face".into(), element });
+        }
+        let pieces = surface.pieces(&Boundary::Neumann)?;
+        check_count(k, pieces)?;
+        let search = EigenOptions::new().k(k).par(par).progress(progress);
+        let mut pairs = eigs(found.stiffness.view(), &found.mass, &search)?;
+        pairs.vectors = surface.extend(pairs.vectors);
+        Ok((pairs, surface.shares(found.mass), pieces))
+    })?;
+    // Of triangles, as the options have it.
+    let Mass::Lumped(masses) = mass else { return Err(refused("mass", "is not a diagonal")) };
+    let functions = from_matrix(py, pairs.vectors.as_ref())?.into_any();
+    let masses = from_vec(py, masses).into_any();
+    Ok((from_vec(py, pairs.values).into_any(), functions, masses, pieces))
+}
+
 #[pymethods]
 impl Eigenbasis {
+    /// Of the arrays that [`eigenbasis`] returns.
     #[new]
-    #[pyo3(signature = (v, f, k, kind, weld, threads, progress))]
+    #[pyo3(signature = (values, functions, mass, pieces))]
     fn new(
-        py: Python<'_>,
-        v: &Bound<'_, PyAny>,
-        f: &Bound<'_, PyAny>,
-        k: usize,
-        kind: &str,
-        weld: bool,
-        threads: Option<i64>,
-        progress: Option<Py<PyAny>>,
+        values: &Bound<'_, PyAny>,
+        functions: &Bound<'_, PyAny>,
+        mass: &Bound<'_, PyAny>,
+        pieces: Pieces,
     ) -> PyResult<Self> {
-        let (surface, par) = (Surface::new(v, f, weld)?, par(threads)?);
-        let options = LaplacianOptions::new().kind(laplacian_kind(kind)?).par(par);
-        let (basis, pieces) = run(py, Length::Long, progress, move |progress| {
-            let found = laplacian(&surface.mesh, &options)?;
-            let missing = (0..found.vertices).find(|&v| found.kept.get(v) != Some(&v));
-            if let Some(vertex) = missing {
-                let element = format!("vertex {}", surface.firsts()(vertex));
-                return Err(catamaran::Error::Mesh { what: "it is in no face".into(), element });
-            }
-            let pieces = surface.pieces(&Boundary::Neumann)?;
-            check_count(k, pieces)?;
-            let search = EigenOptions::new().k(k).par(par).progress(progress);
-            let pairs = eigs(found.stiffness.view(), &found.mass, &search)?;
-            let (vectors, mass) = (surface.extend(pairs.vectors), surface.shares(found.mass));
-            Ok((Basis::new(pairs.values, vectors, mass)?, pieces))
-        })?;
+        let values = Array::<f64>::new("values", values, &[1])?.entries().into_owned();
+        let functions = Array::<f64>::new("functions", functions, &[2])?.view().to_owned();
+        let mass = mass_of(Some(mass), functions.nrows())?;
+        let basis = Basis::new(values, functions, mass).map_err(exception)?;
         Ok(Self { basis, pieces })
     }
 
@@ -100,6 +129,61 @@ impl Eigenbasis {
     fn _mass<'py>(&self, py: Python<'py>) -> Parts<'py> {
         mass_parts(py, self.basis.basis().mass().clone())
     }
+
+    /// Functions with each coefficient multiplied by its gain, and what is left by `rest`.
+    #[pyo3(signature = (f, gains, rest, threads))]
+    fn _filter<'py>(
+        &self,
+        py: Python<'py>,
+        f: &Bound<'py, PyAny>,
+        gains: &Bound<'py, PyAny>,
+        rest: f64,
+        threads: Threads,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let f = Array::<f64>::new("functions", f, &[1, 2])?;
+        let gains = Array::<f64>::new("gain", gains, &[1])?.entries().into_owned();
+        let (basis, view, par) = (self.basis.basis(), f.view(), par(threads)?);
+        let found = run(py, Length::Long, None, move |_| filter(basis, view, &gains, rest, par))?;
+        Ok(from_matrix(py, found.as_ref())?.into_any())
+    }
+
+    /// Heat kernel signatures at these times, or at the usual ones, and the times.
+    #[pyo3(signature = (times, count, threads))]
+    fn _heat_signature<'py>(
+        &self,
+        py: Python<'py>,
+        times: Option<&Bound<'py, PyAny>>,
+        count: usize,
+        threads: Threads,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+        let (values, functions) = (self.basis.values(), self.basis.functions());
+        let times = match times {
+            Some(times) => Array::<f64>::new("times", times, &[1])?.entries().into_owned(),
+            None => heat_times(values, count).map_err(exception)?,
+        };
+        let (par, at) = (par(threads)?, &times);
+        let found = run(py, Length::Long, None, move |_| {
+            heat_kernel_signature(values, functions, at, par)
+        })?;
+        Ok((from_matrix(py, found.as_ref())?.into_any(), from_vec(py, times).into_any()))
+    }
+
+    /// Wave kernel signatures at the usual energies, and the energies.
+    #[pyo3(signature = (count, threads))]
+    fn _wave_signature<'py>(
+        &self,
+        py: Python<'py>,
+        count: usize,
+        threads: Threads,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+        let (values, functions) = (self.basis.values(), self.basis.functions());
+        let scales = wave_scales(values, count).map_err(exception)?;
+        let (par, at) = (par(threads)?, &scales);
+        let found = run(py, Length::Long, None, move |_| {
+            wave_kernel_signature(values, functions, at, par)
+        })?;
+        Ok((from_matrix(py, found.as_ref())?.into_any(), from_vec(py, scales.energies).into_any()))
+    }
 }
 
 /// A product basis as arrays: functions, R, kept products, factors of all products, from 1, and 0
@@ -114,7 +198,7 @@ pub fn eigenproducts<'py>(
     basis: &Bound<'py, Eigenbasis>,
     order: usize,
     method: &str,
-    threads: Option<i64>,
+    threads: Threads,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Products<'py>> {
     let (method, par) = (orthogonalization(method)?, par(threads)?);
@@ -162,7 +246,7 @@ pub fn functional_map<'py>(
     signatures: bool,
     commutativity: f64,
     refine: &str,
-    threads: Option<i64>,
+    threads: Threads,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
     let par = par(threads)?;
@@ -248,6 +332,37 @@ fn pairs_of_vertices(pairs: &Bound<'_, PyAny>) -> PyResult<Vec<(u32, u32)>> {
     (0..view.nrows()).map(|i| Ok((number(view[(i, 0)])?, number(view[(i, 1)])?))).collect()
 }
 
+/// How functions go from a mesh to another one.
+struct Route {
+    points: Vec<u32>,
+    k: (usize, usize),
+    order: usize,
+    method: Orthogonalization,
+    par: Par,
+}
+
+impl Route {
+    /// Calls `work` with the transfer between the products of eigenfunctions.
+    fn with_transfer<R>(
+        &self,
+        source: &Basis,
+        target: &Basis,
+        progress: Progress<'_>,
+        work: impl FnOnce(&Transfer<'_>) -> catamaran::Result<R>,
+    ) -> catamaran::Result<R> {
+        let basis = |basis: &Basis, k: usize, part| -> catamaran::Result<ProductBasis> {
+            let options = ProductBasisOptions::new()
+                .orthogonalization(self.method)
+                .par(self.par)
+                .progress(progress.part(part));
+            ProductBasis::new(&basis.truncated(k)?, self.order, &options)
+        };
+        let (from, to) = (basis(source, self.k.0, 0.0..0.4)?, basis(target, self.k.1, 0.4..0.8)?);
+        let map = map_from_points(&self.points, from.basis(), to.basis(), self.par)?;
+        work(&Transfer::new(from.basis(), to.basis(), map)?)
+    }
+}
+
 /// Functions on the target; see `catamaran.transfer`.
 #[pyfunction]
 #[pyo3(signature = (source, target, functions, points, k, order, method, threads, progress))]
@@ -260,27 +375,79 @@ pub fn transfer<'py>(
     k: (usize, usize),
     order: usize,
     method: &str,
-    threads: Option<i64>,
+    threads: Threads,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (method, par) = (orthogonalization(method)?, par(threads)?);
     for (basis, len) in [(source, k.0), (target, k.1)] {
         check_count(len, basis.get().pieces).map_err(exception)?;
     }
-    let points = vertices("points", points)?;
+    let route = Route { points: vertices("points", points)?, k, order, method, par };
     let f = Array::<f64>::new("functions", functions, &[1, 2])?;
     let (source, target, view) = (&source.get().basis, &target.get().basis, f.view());
     let found = run(py, Length::Long, progress, move |progress| {
-        let basis = |basis: &Basis, k: usize, part| -> catamaran::Result<ProductBasis> {
-            let options = ProductBasisOptions::new()
-                .orthogonalization(method)
-                .par(par)
-                .progress(progress.part(part));
-            ProductBasis::new(&basis.truncated(k)?, order, &options)
-        };
-        let (from, to) = (basis(source, k.0, 0.0..0.4)?, basis(target, k.1, 0.4..0.8)?);
-        let map = map_from_points(&points, from.basis(), to.basis(), par)?;
-        Transfer::new(from.basis(), to.basis(), map)?.apply(view, par)
+        route.with_transfer(source, target, progress, |transfer| transfer.apply(view, par))
     })?;
     Ok(from_matrix(py, found.as_ref())?.into_any())
+}
+
+/// The vertices of the target with the details of the source; see `catamaran.transfer_details`.
+/// Each mesh comes with its basis.
+#[pyfunction]
+#[pyo3(signature = (
+    source_mesh, target_mesh, source, target, smooth, points, k, order, method, threads, progress
+))]
+pub fn transfer_details<'py>(
+    py: Python<'py>,
+    source_mesh: Mesh<'py>,
+    target_mesh: Mesh<'py>,
+    source: &Bound<'py, Eigenbasis>,
+    target: &Bound<'py, Eigenbasis>,
+    smooth: usize,
+    points: &Bound<'py, PyAny>,
+    k: (usize, usize),
+    order: usize,
+    method: &str,
+    threads: Threads,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Mesh<'py>> {
+    let (method, par) = (orthogonalization(method)?, par(threads)?);
+    for (basis, len) in [(source, k.0.min(smooth)), (target, k.1.min(smooth))] {
+        check_count(len, basis.get().pieces).map_err(exception)?;
+    }
+    let route = Route { points: vertices("points", points)?, k, order, method, par };
+    let meshes = (mesh(&source_mesh.0, &source_mesh.1)?, mesh(&target_mesh.0, &target_mesh.1)?);
+    let (source, target) = (&source.get().basis, &target.get().basis);
+    let found = run(py, Length::Long, progress, move |progress| {
+        let low = (source.truncated(smooth)?, target.truncated(smooth)?);
+        route.with_transfer(source, target, progress, |transfer| {
+            details(&meshes.0, &meshes.1, (low.0.basis(), low.1.basis()), transfer, par)
+        })
+    })?;
+    arrays(py, found)
+}
+
+/// A template whose first eigenvalues are these: the mesh, its eigenvalues, their difference and
+/// the number of steps; see `catamaran.shape_from_spectrum`.
+#[pyfunction]
+#[pyo3(signature = (v, f, eigenvalues, steps, tolerance, threads, progress))]
+pub fn shape_from_spectrum<'py>(
+    py: Python<'py>,
+    v: &Bound<'py, PyAny>,
+    f: &Bound<'py, PyAny>,
+    eigenvalues: &Bound<'py, PyAny>,
+    steps: usize,
+    tolerance: f64,
+    threads: Threads,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(Mesh<'py>, Bound<'py, PyAny>, f64, usize)> {
+    let (template, par) = (mesh(v, f)?, par(threads)?);
+    let wanted = Array::<f64>::new("eigenvalues", eigenvalues, &[1])?.entries().into_owned();
+    let found = run(py, Length::Long, progress, move |progress| {
+        let options =
+            ShapeOptions::new().steps(steps).tolerance(tolerance).par(par).progress(progress);
+        deformed(&template, &wanted, &options)
+    })?;
+    let values = from_vec(py, found.eigenvalues).into_any();
+    Ok((arrays(py, found.mesh)?, values, found.error, found.steps))
 }

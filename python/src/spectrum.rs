@@ -7,26 +7,21 @@ use catamaran_geometry::mesh::laplacian;
 use pyo3::prelude::*;
 
 use crate::array::{from_matrix, from_vec};
-use crate::options::{laplacian as laplacian_options, par};
+use crate::options::{Threads, arguments, laplacian as laplacian_options, par};
 use crate::sparse::{Csr, mass as mass_of};
 use crate::surface::{Pieces, Surface};
 use crate::task::{Length, run};
 
-/// How eigenpairs are computed, as a dictionary.
-#[derive(FromPyObject)]
-pub struct Search {
-    #[pyo3(item)]
-    k: usize,
-    #[pyo3(item)]
-    sigma: Option<f64>,
-    #[pyo3(item)]
-    tol: f64,
-    #[pyo3(item)]
-    verify_count: bool,
-    #[pyo3(item)]
-    seed: u64,
-    #[pyo3(item)]
-    threads: Option<i64>,
+arguments! {
+    /// How eigenpairs are computed, as a dictionary.
+    pub struct Search {
+        k: usize,
+        sigma: Option<f64>,
+        tol: f64,
+        verify_count: bool,
+        seed: u64,
+        threads: Threads,
+    }
 }
 
 impl Search {

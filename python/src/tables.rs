@@ -12,49 +12,34 @@ use pyo3::types::PyDict;
 
 use crate::array::from_matrix;
 use crate::error::refused;
-use crate::options::{par, word};
+use crate::options::{Threads, arguments, par, word};
 use crate::sparse::parts;
 use crate::task::{Length, run};
 
-/// How a file is read, as a dictionary.
-#[derive(FromPyObject)]
-pub struct TableArguments {
-    /// Names, and numbers or ranges as text.
-    #[pyo3(item)]
-    columns: Option<Vec<String>>,
-    #[pyo3(item)]
-    separator: Option<char>,
-    #[pyo3(item)]
-    decimal: Option<char>,
-    #[pyo3(item)]
-    thousands: Option<char>,
-    #[pyo3(item)]
-    header: Option<bool>,
-    #[pyo3(item)]
-    skip: usize,
-    #[pyo3(item)]
-    comment: Option<char>,
-    #[pyo3(item)]
-    missing: String,
-    #[pyo3(item)]
-    missing_words: Option<Vec<String>>,
-    #[pyo3(item)]
-    index: Option<bool>,
-    #[pyo3(item)]
-    encoding: Option<String>,
-    #[pyo3(item)]
-    format: Option<String>,
-    /// Whether all columns of words are factors.
-    #[pyo3(item)]
-    words: bool,
-    /// Names, and numbers as text.
-    #[pyo3(item)]
-    factors: Vec<String>,
-    #[pyo3(item)]
-    max_memory: Option<u64>,
-    /// All cores by default.
-    #[pyo3(item)]
-    threads: Option<i64>,
+arguments! {
+    /// How a file is read, as a dictionary.
+    pub struct TableArguments {
+        /// Names, and numbers or ranges as text.
+        columns: Option<Vec<String>>,
+        separator: Option<char>,
+        decimal: Option<char>,
+        thousands: Option<char>,
+        header: Option<bool>,
+        skip: usize,
+        comment: Option<char>,
+        missing: String,
+        missing_words: Option<Vec<String>>,
+        index: Option<bool>,
+        encoding: Option<String>,
+        format: Option<String>,
+        /// Whether all columns of words are factors.
+        words: bool,
+        /// Names, and numbers as text.
+        factors: Vec<String>,
+        max_memory: Option<u64>,
+        /// All cores by default.
+        threads: Threads,
+    }
 }
 
 impl TableArguments {

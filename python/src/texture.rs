@@ -13,44 +13,29 @@ use crate::array::{Array, from_matrix, from_rows, from_vec};
 use crate::error::refused;
 use crate::mesh::mesh;
 use crate::mesh_file::texture_coordinates;
-use crate::options::{par, word};
+use crate::options::{Threads, arguments, par, word};
 use crate::task::{Length, run};
 
-/// What a slime mould is like, as a dictionary; names as in the library.
-#[derive(FromPyObject)]
-pub struct Mould {
-    #[pyo3(item)]
-    agents: usize,
-    #[pyo3(item)]
-    species: usize,
-    #[pyo3(item)]
-    size: usize,
-    #[pyo3(item)]
-    seed: u32,
-    #[pyo3(item)]
-    time_step: Option<f64>,
-    #[pyo3(item)]
-    movement_speed: Option<f64>,
-    #[pyo3(item)]
-    turn_speed: Option<f64>,
-    #[pyo3(item)]
-    vision_distance: Option<f64>,
-    #[pyo3(item)]
-    vision_angle: Option<f64>,
-    #[pyo3(item)]
-    evaporation_rate: Option<f64>,
-    #[pyo3(item)]
-    diffusion_rate: Option<f64>,
-    #[pyo3(item)]
-    turn_noise: Option<f64>,
-    #[pyo3(item)]
-    project: Option<u32>,
-    #[pyo3(item)]
-    gaussian: bool,
-    #[pyo3(item)]
-    length_rescaling: bool,
-    #[pyo3(item)]
-    threads: Option<i64>,
+arguments! {
+    /// What a slime mould is like, as a dictionary; names as in the library.
+    pub struct Mould {
+        agents: usize,
+        species: usize,
+        size: usize,
+        seed: u32,
+        time_step: Option<f64>,
+        movement_speed: Option<f64>,
+        turn_speed: Option<f64>,
+        vision_distance: Option<f64>,
+        vision_angle: Option<f64>,
+        evaporation_rate: Option<f64>,
+        diffusion_rate: Option<f64>,
+        turn_noise: Option<f64>,
+        project: Option<u32>,
+        gaussian: bool,
+        length_rescaling: bool,
+        threads: Threads,
+    }
 }
 
 impl Mould {
@@ -145,42 +130,30 @@ pub fn slime<'py>(
     ))
 }
 
-/// What a fractal is of, as a dictionary.
-#[derive(FromPyObject)]
-pub struct Fractal {
-    #[pyo3(item)]
-    power: Option<u32>,
-    #[pyo3(item)]
-    roots: Option<Vec<(f64, f64)>>,
-    #[pyo3(item)]
-    iterations: u32,
-    #[pyo3(item)]
-    theta: f64,
-    #[pyo3(item)]
-    shader: bool,
-    #[pyo3(item)]
-    scale: f64,
-    #[pyo3(item)]
-    offset: [f64; 3],
-    #[pyo3(item)]
-    w: f64,
-    #[pyo3(item)]
-    threads: Option<i64>,
+arguments! {
+    /// What a fractal is of, as a dictionary.
+    pub struct Fractal {
+        power: Option<u32>,
+        roots: Option<Vec<(f64, f64)>>,
+        iterations: u32,
+        theta: f64,
+        shader: bool,
+        scale: f64,
+        offset: [f64; 3],
+        w: f64,
+        threads: Threads,
+    }
 }
 
-/// Which points: a list of three coordinates each, a plane of width x height, or a cube.
-#[derive(FromPyObject)]
-pub struct Where<'py> {
-    #[pyo3(item)]
-    kind: String,
-    #[pyo3(item)]
-    points: Option<Bound<'py, PyAny>>,
-    #[pyo3(item)]
-    size: (u32, u32),
-    #[pyo3(item)]
-    center: [f64; 2],
-    #[pyo3(item)]
-    extent: f64,
+arguments! {
+    /// Which points: a list of three coordinates each, a plane of width x height, or a cube.
+    pub struct Where {
+        kind: String,
+        points: Option<Py<PyAny>>,
+        size: (u32, u32),
+        center: [f64; 2],
+        extent: f64,
+    }
 }
 
 /// The root of each point, how fast it is reached, and how many points reach none; see
@@ -189,7 +162,7 @@ pub struct Where<'py> {
 #[pyo3(signature = (at, fractal, progress))]
 pub fn newton<'py>(
     py: Python<'py>,
-    at: Where<'py>,
+    at: Where,
     fractal: Fractal,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>, usize)> {
@@ -210,7 +183,7 @@ pub fn newton<'py>(
         .offset(fractal.offset)
         .w(fractal.w);
     let list: Vec<[f32; 3]> = match &at.points {
-        Some(points) => crate::mesh::positions("points", points)?
+        Some(points) => crate::mesh::positions("points", points.bind(py))?
             .into_iter()
             .map(|p| p.map(|x| x as f32))
             .collect(),

@@ -9,7 +9,8 @@ use catamaran_geometry::unions::{
 use pyo3::prelude::*;
 
 use crate::array::{Array, from_vec};
-use crate::options::{laplacian_kind, par};
+use crate::mesh::mesh;
+use crate::options::{Threads, laplacian_kind, par};
 use crate::surface::{Pieces, Surface};
 use crate::task::{Length, run};
 
@@ -24,7 +25,7 @@ pub fn shape_dna<'py>(
     normalized: bool,
     kind: &str,
     weld: bool,
-    threads: Option<i64>,
+    threads: Threads,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyAny>, Pieces)> {
     let laplacian = LaplacianOptions::new().kind(laplacian_kind(kind)?).par(par(threads)?);
@@ -73,6 +74,26 @@ impl Part {
     }
 }
 
+/// Parts as they come.
+fn read_parts(parts: &[Bound<'_, PyAny>], weld: bool) -> PyResult<Vec<Part>> {
+    parts.iter().map(|part| Part::new(part, weld)).collect()
+}
+
+/// The spectra of parts, and the components of those that are meshes.
+fn spectra(parts: Vec<Part>) -> catamaran::Result<(Vec<Vec<f64>>, Vec<Option<Pieces>>)> {
+    let found = (0..).zip(parts).map(|(i, part)| part.spectrum(i));
+    let found: Vec<_> = found.collect::<catamaran::Result<_>>()?;
+    Ok(found.into_iter().unzip())
+}
+
+/// The network of a file, or that of the library.
+fn network(path: Option<PathBuf>) -> catamaran::Result<SpectralUnion> {
+    match path {
+        Some(path) => SpectralUnion::read(&path),
+        None => SpectralUnion::pretrained(),
+    }
+}
+
 /// The spectrum of the union, those of the parts, the components of the parts that are meshes, and
 /// how unlike the training the parts are.
 type Union<'py> = (Bound<'py, PyAny>, Vec<Bound<'py, PyAny>>, Vec<Option<Pieces>>, f64);
@@ -87,20 +108,38 @@ pub fn union_spectrum<'py>(
     weld: bool,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Union<'py>> {
-    let parts: Vec<Part> =
-        parts.iter().map(|part| Part::new(part, weld)).collect::<PyResult<_>>()?;
+    let parts = read_parts(&parts, weld)?;
     let (union, spectra, pieces, ood_score) = run(py, Length::Long, progress, move |_| {
-        let model = match model {
-            Some(path) => SpectralUnion::read(&path)?,
-            None => SpectralUnion::pretrained()?,
-        };
-        let found = (0..).zip(parts).map(|(i, part)| part.spectrum(i));
-        let found: Vec<_> = found.collect::<catamaran::Result<_>>()?;
-        let (spectra, pieces): (Vec<Vec<f64>>, Vec<_>) = found.into_iter().unzip();
+        let (model, (spectra, pieces)) = (network(model)?, spectra(parts)?);
         let views: Vec<&[f64]> = spectra.iter().map(Vec::as_slice).collect();
         let (union, ood_score) = (model.predict_all(&views)?, model.ood_score(&views)?);
         Ok((union.to_vec(), spectra, pieces, ood_score))
     })?;
     let spectra = spectra.into_iter().map(|values| from_vec(py, values).into_any()).collect();
     Ok((from_vec(py, union).into_any(), spectra, pieces, ood_score))
+}
+
+/// Where a union is on the template, and the components of the parts that are meshes; see
+/// `catamaran.locate_union`.
+#[pyfunction]
+#[pyo3(signature = (parts, v, f, model, weld, threads, progress))]
+pub fn locate_union<'py>(
+    py: Python<'py>,
+    parts: Vec<Bound<'py, PyAny>>,
+    v: &Bound<'py, PyAny>,
+    f: &Bound<'py, PyAny>,
+    model: Option<PathBuf>,
+    weld: bool,
+    threads: Threads,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(Bound<'py, PyAny>, Vec<Option<Pieces>>)> {
+    let (parts, template, par) = (read_parts(&parts, weld)?, mesh(v, f)?, par(threads)?);
+    let (inside, pieces) = run(py, Length::Long, progress, move |progress| {
+        let (model, (spectra, pieces)) = (network(model)?, spectra(parts)?);
+        let views: Vec<&[f64]> = spectra.iter().map(Vec::as_slice).collect();
+        let region = model.locate(&views)?;
+        let on = model.localizer().on_mesh_watched(&template, par, progress)?;
+        Ok((on.indicator(&region)?, pieces))
+    })?;
+    Ok((from_vec(py, inside).into_any(), pieces))
 }

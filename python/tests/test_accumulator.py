@@ -201,3 +201,23 @@ def test_a_callback_that_uses_the_accumulator_of_its_call_is_refused(rng):
     with pytest.raises(RuntimeError, match="in use by the call"):
         sums.add(rng.standard_normal((5000, 200)), progress=lambda done, total: sums.rows)
     assert sums.columns == 200
+
+
+@pytest.mark.parametrize("kind", ["float", "exact"])
+def test_components_of_sums_in_float64(rng, kind):
+    a = rng.standard_normal((200, 4)) @ rng.standard_normal((4, 6))
+    bounds = {"bounds": (np.full(6, -99.0), np.full(6, 99.0), 999)} if kind == "exact" else {}
+    sums = catamaran.Accumulator(6, center=True, kind=kind, **bounds)
+    for block in np.array_split(a, 3):
+        sums.add(block)
+    found, expected = sums.pca(), catamaran.pca(a, 4)
+    # The rank, without components of rounding.
+    assert found.components.shape == (4, 6)
+    assert np.allclose(found.explained_variance, expected.explained_variance, rtol=1e-10)
+    assert np.allclose(np.abs(found.components), np.abs(expected.components), atol=1e-7)
+    with pytest.raises(ValueError, match="about the mean"):
+        catamaran.Accumulator(6).pca()
+    sums = catamaran.Accumulator(6, center=True)
+    sums.add(a, np.full(200, 2.0))
+    with pytest.raises(ValueError, match="weighted rows need extended sums"):
+        sums.pca()

@@ -115,6 +115,23 @@ def test_variables_limit_the_threads(name):
     assert threads_started(**{name: "1"}) == (0, "")
 
 
+def test_threadpoolctl_limits_calls_that_name_no_threads():
+    threadpoolctl = pytest.importorskip("threadpoolctl")
+    own = [found for found in threadpoolctl.threadpool_info() if found["prefix"] == "_catamaran"]
+    assert [found["internal_api"] for found in own] == ["catamaran"]
+    assert own[0]["version"] == catamaran.__version__
+    assert own[0]["num_threads"] == catamaran._catamaran.get_num_threads() >= 1
+    limited = "from threadpoolctl import threadpool_limits\nthreadpool_limits(1)\n"
+    done = run(COUNT.replace("before =", limited + "before ="))
+    assert done.returncode == 0 and int(done.stdout) == 0, done.stderr
+    a = np.random.default_rng(2).standard_normal((500, 90))
+    expected = catamaran.ata(a)
+    for limit in (1, 2, 10_000):
+        with threadpoolctl.threadpool_limits(limit, user_api="blas"):
+            assert np.array_equal(catamaran.ata(a), expected)
+    assert catamaran._catamaran.get_num_threads() == own[0]["num_threads"]
+
+
 def test_threads_are_kept_between_calls():
     cores = len(os.sched_getaffinity(0))
     started, _ = threads_started()

@@ -7,6 +7,9 @@ import catamaran
 from catamaran import shapes
 
 A = np.arange(12.0).reshape(4, 3)
+#: A buffer with a result and vectors of the same memory.
+BUFFER = np.ones(12)
+SQUARE = BUFFER[:9].reshape(3, 3)
 V, F = shapes.icosphere(1)
 
 
@@ -42,6 +45,12 @@ def test_wrong_matrices(a, error, match):
         ({"accuracy": []}, TypeError, "accuracy: expected a word or a number"),
         ({"threads": 0}, ValueError, "threads: must be at least 1"),
         ({"threads": -1}, ValueError, "threads: must be at least 1"),
+        ({"threads": "x"}, TypeError, "threads: 'str' object"),
+        ({"threads": 2.5}, TypeError, "threads: 'float' object"),
+        ({"threads": 2**70}, ValueError, "threads: "),
+        ({"uplo": 3}, TypeError, "uplo: 'int' object"),
+        ({"scheme": None}, TypeError, "scheme: 'None"),
+        ({"reproducible": "x"}, TypeError, "reproducible: 'str' object"),
         ({"weights": np.ones(3)}, ValueError, "weights: expected 4 x 1, got 3 x 1"),
         ({"weights": [1, 2, np.nan, 3]}, ValueError, "weights: not finite at row 2"),
         ({"weights": np.ones((4, 1))}, ValueError, "weights: expected an array of 1 dimensions"),
@@ -53,6 +62,9 @@ def test_wrong_matrices(a, error, match):
         ({"out": [[0.0] * 3] * 3}, TypeError, "out: expected a numpy array"),
         ({"out": np.broadcast_to(np.zeros(3), (3, 3))}, ValueError, "out: read-only"),
         ({"out": A[:3, :3]}, ValueError, "out: shares memory"),
+        ({"out": SQUARE, "weights": BUFFER[5:9]}, ValueError, "out: shares memory"),
+        ({"out": SQUARE, "center": BUFFER[6:9]}, ValueError, "out: shares memory"),
+        ({"weights": np.ma.masked_equal(np.arange(4.0), 2)}, ValueError, "weights: 1 entries are"),
         ({"b": np.ones((3, 2))}, ValueError, "B: expected 4 x 2, got 3 x 2"),
         ({"b": np.ones((4, 2)), "center": True}, ValueError, "b: weights and center"),
         ({"dtype": np.int32}, TypeError, "dtype"),
@@ -72,6 +84,61 @@ def test_overlapping_elements_of_out():
     )
     refused(ValueError, "out: not aligned", catamaran.ata, A, out=unaligned)
     assert np.array_equal(catamaran.ata(unaligned), np.zeros((3, 3)))
+
+
+def test_masked_entries_are_refused_by_name():
+    masked = np.ma.masked_greater(A, 9)
+    for call in (
+        catamaran.ata,
+        catamaran.cov,
+        catamaran.corrcoef,
+        catamaran.pca,
+        catamaran.svd,
+        lambda a: catamaran.lstsq(a, A[:, 0]),
+        catamaran.lstsq(A[:, :2], A[:, 2]).predict,
+    ):
+        refused(ValueError, "a: 2 entries are masked", call, masked)
+    refused(ValueError, "b: 2 entries are masked", catamaran.lstsq, A, masked)
+    refused(ValueError, "rows: 2 entries", catamaran.Accumulator(3).add, masked)
+    refused(ValueError, "v: [0-9]+ entries", catamaran.laplacian, np.ma.masked_equal(V, V.max()), F)
+    # A mask without entries hides nothing.
+    assert np.array_equal(catamaran.ata(np.ma.masked_array(A)), catamaran.ata(A))
+
+
+def test_options_of_dictionaries_are_named():
+    refused(TypeError, "^ridge: ", catamaran.lstsq, A, A[:, 0], ridge="x")
+    refused(TypeError, "^rank_deficiency: ", catamaran.lstsq, A, A[:, 0], rank_deficiency=1)
+    refused(TypeError, "^k: ", catamaran.eigsh, V, F, "x")
+    refused(ValueError, "^k: ", catamaran.eigsh, V, F, -1)
+    refused(TypeError, "^lloyd: ", catamaran.decimate, V, F, 12, lloyd=1.5)
+    refused(TypeError, "^open: ", catamaran.curve, V, F, [0, 1], open=3)
+    refused(TypeError, "^loss: ", catamaran.wilt, catamaran.grow_plant(20), loss="x")
+    refused(TypeError, "^agents: ", catamaran.slime, V, F, 1, agents="x")
+    refused(ValueError, "^iterations: ", catamaran.newton, size=4, iterations=-1)
+    refused(ValueError, "^skip: ", catamaran.read, "a.csv", skip=-1)
+    refused(TypeError, "^n_components: ", catamaran.pca, A, "x")
+    for call in (
+        lambda threads: catamaran.lstsq(A, A[:, 0], threads=threads),
+        lambda threads: catamaran.pca(A, threads=threads),
+        lambda threads: catamaran.eigsh(V, F, 3, threads=threads),
+        lambda threads: catamaran.shape_dna(V, F, 3, threads=threads),
+        lambda threads: catamaran.decimate(V, F, 12, threads=threads),
+    ):
+        refused(TypeError, "^threads: 'str' object", call, "x")
+
+
+def test_numbers_of_numpy_are_integers():
+    two, three = np.int32(2), np.uint8(3)
+    assert np.array_equal(catamaran.ata(A, threads=np.int64(1)), catamaran.ata(A))
+    assert catamaran.pca(A, np.int64(1)).components.shape == (1, 3)
+    assert catamaran.eigsh(V, F, three).values.shape == (3,)
+    assert catamaran.newton(size=np.int16(8)).roots.shape == (8, 8)
+    assert catamaran.transfer((V, F), (V, F), V[:, 0], k=three, order=two).shape == (42,)
+    source = catamaran.Eigenbasis(V, F, np.int64(5))
+    known = {"functions": (V, V), "signatures": False, "refine": "none"}
+    found = catamaran.functional_map(source, source, k=three, **known)
+    assert found.map.shape == (4, 4)
+    assert catamaran.decimate(V, F, np.int64(20), relaxation=two).v.shape == (20, 3)
 
 
 def test_complex_matrices_have_no_weights():

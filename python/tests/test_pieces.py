@@ -36,9 +36,11 @@ CALLS = {
     "shape_dna": lambda mesh, **how: catamaran.shape_dna(*mesh, COUNT + 3, **how),
     "Eigenbasis": lambda mesh, **how: catamaran.Eigenbasis(*mesh, COUNT + 3, **how).values,
     "eigenproducts": lambda mesh, **how: catamaran.eigenproducts(*mesh, COUNT + 3, 1, **how).r,
-    "functional_map": lambda mesh, **how: catamaran.functional_map(
-        mesh, mesh, landmarks=[[0, 0], [40, 40]], k=COUNT + 3, refine="none", **how
-    ).map,
+    "functional_map": lambda mesh, **how: (
+        catamaran.functional_map(
+            mesh, mesh, landmarks=[[0, 0], [40, 40]], k=COUNT + 3, refine="none", **how
+        ).map
+    ),
     "transfer": lambda mesh, **how: catamaran.transfer(
         mesh, mesh, mesh[0][:, 0], k=COUNT + 3, order=1, **how
     ),

@@ -103,6 +103,23 @@ def test_out_of_any_strides(rng):
         assert np.array_equal(out, catamaran.ata(a))
 
 
+def test_out_in_a_disjoint_part_of_a_buffer(rng):
+    buffer = rng.standard_normal((9, 16))
+    a, out = buffer[:, ::2][:, :6], buffer[:6, 1::2][:, :6]
+    before = buffer.copy()
+    expected = catamaran.ata(a.copy())
+    assert catamaran.ata(a, out=out) is out and np.array_equal(out, expected)
+    out[...] = before[:6, 1::2][:, :6]
+    # Nothing between the entries is written.
+    assert np.array_equal(buffer, before)
+    halves = rng.standard_normal((8, 8))
+    expected = halves[:, :4].T @ halves[:, :4]
+    assert np.allclose(catamaran.ata(halves[:, :4], out=halves[:4, 4:]), expected)
+    # One element in common is enough.
+    with pytest.raises(ValueError, match="out: shares memory"):
+        catamaran.ata(halves[:, :4], out=halves[4:, 3:7])
+
+
 def test_weights_and_centres(rng):
     a, w = rng.standard_normal((300, 7)) + 5, rng.uniform(0.1, 2, 300)
     assert np.allclose(catamaran.ata(a, weights=w), a.T @ (w[:, None] * a))
@@ -125,6 +142,38 @@ def test_sparse_is_dense(rng):
         assert np.allclose(catamaran.ata(form), dense.T @ dense)
     w = rng.uniform(size=200)
     assert np.allclose(catamaran.ata(a.tocsr(), weights=w), dense.T @ (w[:, None] * dense))
+    row = rng.standard_normal(30)
+    for center in (True, row):
+        for weights in (None, w):
+            expected = catamaran.ata(dense, weights=weights, center=center)
+            found = catamaran.ata(a, weights=weights, center=center)
+            assert np.allclose(found, expected, rtol=1e-14)
+
+
+def test_rows_of_sparse_matrices_are_those_of_dense_ones(rng):
+    a = scipy.sparse.random(300, 12, density=0.2, random_state=2, format="csc")
+    dense, b, w = a.toarray(), rng.standard_normal(300), rng.uniform(1, 2, 300)
+    assert np.array_equal(catamaran.lstsq(a, b).x, catamaran.lstsq(dense, b).x)
+    fit, expected = (catamaran.lstsq(x, b, weights=w, intercept=True) for x in (a, dense))
+    assert np.array_equal(fit.x, expected.x) and np.allclose(fit.predict(a), fit.predict(dense))
+    factors = {"g": ["x", "y", "z"] * 100}
+    found = [catamaran.lstsq(x, b, factors=factors).x for x in (a, dense)]
+    assert np.array_equal(*found)
+    pcs, expected = catamaran.pca(a, 3), catamaran.pca(dense, 3)
+    assert np.array_equal(pcs.components, expected.components)
+    assert np.array_equal(pcs.transform(a), expected.transform(dense))
+    assert np.allclose(catamaran.cov(a), np.cov(dense, rowvar=False), rtol=1e-12)
+    assert np.allclose(
+        catamaran.cov(a.T, rowvar=True, aweights=w), catamaran.cov(dense, aweights=w)
+    )
+    assert np.array_equal(catamaran.corrcoef(a), catamaran.corrcoef(dense))
+    u, s, vh = catamaran.svd(a, compute_u=True)
+    assert np.allclose(u @ np.diag(s) @ vh, dense)
+    q, r = catamaran.qr(a)
+    assert np.allclose(q @ r, dense) and catamaran.orthogonality(q)[1] < 1e-12
+    # Four rows of two numbers are no sparse matrix.
+    rows = ((1.0, 2.0), (3.0, 4.0), (5.0, 6.0), (7, 8))
+    assert np.array_equal(catamaran.svd(rows).s, catamaran.svd(np.array(rows)).s)
 
 
 def test_results_do_not_depend_on_threads(rng):

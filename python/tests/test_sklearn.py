@@ -1,5 +1,9 @@
 """Estimators, as scikit-learn checks them."""
 
+import pickle
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -34,3 +38,53 @@ def test_they_find_what_scikit_learn_finds(rng):
         assert np.allclose(
             ours.inverse_transform(ours.transform(x)), theirs.inverse_transform(theirs.transform(x))
         )
+
+
+@pytest.mark.parametrize("options", [{}, {"n_components": 2}, {"n_components": 3, "whiten": True}])
+def test_scores_are_those_of_scikit_learn(rng, options):
+    x = rng.standard_normal((80, 5)) * [5, 3, 2, 1, 0.5] + 7
+    new = rng.standard_normal((9, 5)) + 7
+    ours = PCA(**options).fit(x)
+    # Whitening changes scores, and no density. That of scikit-learn scales its components twice.
+    theirs = decomposition.PCA(options.get("n_components")).fit(x)
+    assert np.isclose(ours.noise_variance_, theirs.noise_variance_, atol=1e-12)
+    assert np.allclose(ours.score_samples(new), theirs.score_samples(new))
+    assert np.isclose(ours.score(x), theirs.score(x))
+
+
+def test_batches_are_the_whole(rng):
+    x = rng.standard_normal((500, 6)) @ rng.standard_normal((6, 6)) + 3
+    whole, parts = PCA(4).fit(x), PCA(4)
+    for batch in np.array_split(x, 7):
+        parts.partial_fit(batch)
+    assert parts.n_samples_ == 500
+    assert np.allclose(parts.explained_variance_, whole.explained_variance_)
+    assert np.allclose(np.abs(parts.components_), np.abs(whole.components_), atol=1e-7)
+    again = pickle.loads(pickle.dumps(parts)).partial_fit(x[:10])
+    assert again.n_samples_ == 510 and np.allclose(parts.mean_, x.mean(axis=0))
+    # Of few rows there are no more components than their rank.
+    assert PCA().partial_fit(x[:4]).components_.shape == (3, 6)
+    # A fit forgets them.
+    assert parts.fit(x[:50]).n_samples_ == 50 and parts.partial_fit(x[:9]).n_samples_ == 9
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the unit of ru_maxrss")
+def test_transform_copies_no_rows():
+    script = """
+import resource
+import numpy as np
+from catamaran.sklearn import PCA
+x = np.ones((400_000, 60))
+x[:, 0] = np.arange(400_000)
+found = PCA(1).fit(x)
+found.transform(x[:1000])
+before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+found.transform(x)
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, timeout=300
+    )
+    assert done.returncode == 0, done.stderr
+    # In KiB; the rows take 187,500.
+    assert int(done.stdout) < 60_000

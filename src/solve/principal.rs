@@ -187,6 +187,48 @@ impl PrincipalComponents {
         })
     }
 
+    /// Returns components that were computed before: count x n `components`, count numbers in each
+    /// of `spectrum` (variances, their shares of all variance, singular values), and n in `mean`
+    /// and `scale`.
+    ///
+    /// ```
+    /// use catamaran::{faer::mat, solve::PrincipalComponents};
+    ///
+    /// let spectrum = [vec![4.0], vec![1.0], vec![2.0]];
+    /// let (mean, scale) = (vec![3.0, 3.0], vec![1.0, 1.0]);
+    /// let found =
+    ///     PrincipalComponents::from_parts(mat![[0.6, 0.8]], spectrum, mean, scale, false)?;
+    /// assert_eq!(found.scores(mat![[3.0, 4.0]].as_ref())?[(0, 0)], 0.8);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Shape`] when the numbers differ.
+    pub fn from_parts(
+        components: Mat<f64>,
+        spectrum: [Vec<f64>; 3],
+        mean: Vec<f64>,
+        scale: Vec<f64>,
+        whiten: bool,
+    ) -> Result<Self> {
+        let (count, n) = components.shape();
+        for part in &spectrum {
+            Error::check_shape("spectrum", (count, 1), (part.len(), 1))?;
+        }
+        Error::check_shape("mean", (n, 1), (mean.len(), 1))?;
+        Error::check_shape("scale", (n, 1), (scale.len(), 1))?;
+        let [explained_variance, explained_variance_ratio, singular_values] = spectrum;
+        Ok(Self {
+            components,
+            explained_variance,
+            explained_variance_ratio,
+            singular_values,
+            mean,
+            scale,
+            whiten,
+        })
+    }
+
     /// Returns the scores (m x count) of rows (m x n): their coordinates along the components, of
     /// variance 1 with `whiten`.
     ///

@@ -10,12 +10,16 @@ Csr = Tuple[Any, Any, Any, Tuple[int, int]]
 Path = Union[str, PathLike[str]]
 Array = NDArray[Any]
 Pieces = Tuple[int, int, int, int]
+BasisParts = Tuple[Array, Array, Array, Pieces]
 
 __version__: str
 
 class Nearest:
     def __enter__(self) -> None: ...
     def __exit__(self, *exception: Any) -> None: ...
+
+def get_num_threads() -> int: ...
+def set_num_threads(threads: int) -> None: ...
 
 class Plan:
     @property
@@ -77,39 +81,15 @@ class Accumulator:
         standardize: bool,
         whiten: bool,
         threads: Optional[int],
-    ) -> PrincipalComponents: ...
+    ) -> Dict[str, Any]: ...
     def _save(self, path: Path) -> None: ...
     def _load(self, path: Path) -> None: ...
     def _to_bytes(self) -> bytes: ...
     def _restore(self, bytes: bytes) -> None: ...
 
-class PrincipalComponents:
-    @property
-    def components(self) -> Array: ...
-    @property
-    def explained_variance(self) -> Array: ...
-    @property
-    def explained_variance_ratio(self) -> Array: ...
-    @property
-    def singular_values(self) -> Array: ...
-    @property
-    def mean(self) -> Array: ...
-    @property
-    def scale(self) -> Array: ...
-    @property
-    def whiten(self) -> bool: ...
-    def transform(self, rows: ArrayLike, progress: Callback) -> Array: ...
-
 class Eigenbasis:
     def __new__(
-        cls,
-        v: ArrayLike,
-        f: ArrayLike,
-        k: int,
-        kind: str,
-        weld: bool,
-        threads: Optional[int],
-        progress: Callback,
+        cls, values: ArrayLike, functions: ArrayLike, mass: Any, pieces: Pieces
     ) -> Self: ...
     @property
     def _pieces(self) -> Pieces: ...
@@ -119,6 +99,13 @@ class Eigenbasis:
     @property
     def functions(self) -> Array: ...
     def _mass(self) -> Csr: ...
+    def _filter(
+        self, f: ArrayLike, gains: ArrayLike, rest: float, threads: Optional[int]
+    ) -> Array: ...
+    def _heat_signature(
+        self, times: Optional[ArrayLike], count: int, threads: Optional[int]
+    ) -> Tuple[Array, Array]: ...
+    def _wave_signature(self, count: int, threads: Optional[int]) -> Tuple[Array, Array]: ...
 
 class CholeskyHandle:
     def __new__(
@@ -143,6 +130,16 @@ class CholeskyHandle:
     def weakest(self) -> Optional[Tuple[int, float]]: ...
 
 class PlantHandle:
+    def __new__(
+        cls,
+        tails: ArrayLike,
+        radii: ArrayLike,
+        parents: ArrayLike,
+        leaves: List[bool],
+        base: Sequence[float],
+        more: List[Tuple[bool, Optional[float], bool]],
+    ) -> Self: ...
+    def more(self) -> List[Tuple[bool, Optional[float], bool]]: ...
     def __len__(self) -> int: ...
     def arrays(self) -> Tuple[Array, Array, Array, Array, Array]: ...
 
@@ -161,6 +158,7 @@ def ata(
 def ata_sparse(
     a: Csr,
     weights: Optional[ArrayLike],
+    center: Any,
     out: Optional[Array],
     alpha: float,
     beta: float,
@@ -194,7 +192,8 @@ def pca(
     whiten: bool,
     threads: Optional[int],
     progress: Callback,
-) -> PrincipalComponents: ...
+) -> Dict[str, Any]: ...
+def scores(rows: Any, of: Any, progress: Callback) -> Array: ...
 def svd(a: ArrayLike, threads: Optional[int], progress: Callback) -> Tuple[Array, Array]: ...
 def corrcoef(a: ArrayLike, threads: Optional[int], progress: Callback) -> Array: ...
 def orthogonality(
@@ -246,6 +245,15 @@ def eigsh(
 def eigsh_sparse(
     a: Csr, mass: Any, search: Dict[str, Any], progress: Callback
 ) -> Tuple[Tuple[Array, Array], int]: ...
+def eigenbasis(
+    v: Any,
+    f: Any,
+    k: int,
+    kind: str,
+    weld: bool,
+    threads: Optional[int],
+    progress: Callback,
+) -> BasisParts: ...
 def eigenproducts(
     basis: Eigenbasis, order: int, method: str, threads: Optional[int], progress: Callback
 ) -> Tuple[Array, Array, Array, List[List[int]]]: ...
@@ -272,6 +280,51 @@ def transfer(
     threads: Optional[int],
     progress: Callback,
 ) -> Array: ...
+def distances(
+    v: ArrayLike,
+    f: ArrayLike,
+    sources: ArrayLike,
+    heat: bool,
+    time: float,
+    kind: str,
+    threads: Optional[int],
+    progress: Callback,
+) -> Array: ...
+def shortest_path(v: ArrayLike, f: ArrayLike, ends: ArrayLike) -> Tuple[Array, Array, float]: ...
+def repair(
+    v: ArrayLike, f: ArrayLike, steps: Dict[str, Any], progress: Callback
+) -> Tuple[Tuple[Array, Array], Array, List[str]]: ...
+def transfer_details(
+    source_mesh: Any,
+    target_mesh: Any,
+    source: Eigenbasis,
+    target: Eigenbasis,
+    smooth: int,
+    points: ArrayLike,
+    k: Tuple[int, int],
+    order: int,
+    method: str,
+    threads: Optional[int],
+    progress: Callback,
+) -> Tuple[Array, Array]: ...
+def shape_from_spectrum(
+    v: ArrayLike,
+    f: ArrayLike,
+    eigenvalues: ArrayLike,
+    steps: int,
+    tolerance: float,
+    threads: Optional[int],
+    progress: Callback,
+) -> Tuple[Tuple[Array, Array], Array, float, int]: ...
+def locate_union(
+    parts: List[Any],
+    v: Any,
+    f: Any,
+    model: Optional[Path],
+    weld: bool,
+    threads: Optional[int],
+    progress: Callback,
+) -> Tuple[Array, List[Optional[Pieces]]]: ...
 def decimate(
     v: ArrayLike, f: ArrayLike, n: int, how: Dict[str, Any], progress: Callback
 ) -> Tuple[Array, Array, Array, Array, Csr]: ...

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
-from ._options import Progress, callback, csr, is_sparse
+from ._options import Csr, Progress, callback, csr, is_sparse
+from ._words import Triangle
 
 __all__ = ["Cholesky", "cholesky"]
 
@@ -41,9 +42,8 @@ class Cholesky:
         -------
         ndarray, of the shape of `b`, or with the wanted rows
         """
-        b = np.asarray(b)
         x = self._handle.solve(b, rows, callback(progress))
-        return x[:, 0] if b.ndim == 1 else x
+        return x[:, 0] if np.ndim(b) == 1 else x
 
     def refactor(self, a: Any, *, progress: Progress = None) -> None:
         """Factorize another matrix in the same order, much sooner than anew.
@@ -86,7 +86,7 @@ class Cholesky:
         return f"<Cholesky of a {n} x {n} matrix, {self.entries} entries, {len(self.held)} held>"
 
 
-def sparse_of(a: Any) -> Tuple[Any, Any, Any, Tuple[int, int]]:
+def sparse_of(a: Any) -> Csr:
     """Return a matrix of scipy.sparse as the extension takes it."""
     if not is_sparse(a):
         raise TypeError("a: expected a matrix of scipy.sparse")
@@ -96,7 +96,7 @@ def sparse_of(a: Any) -> Tuple[Any, Any, Any, Tuple[int, int]]:
 def cholesky(
     a: Any,
     *,
-    triangle: str = "both",
+    triangle: Triangle = "both",
     semidefinite: bool = False,
     tolerance: Optional[float] = None,
     order: Optional[ArrayLike] = None,

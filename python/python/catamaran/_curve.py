@@ -10,6 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
 from ._options import Progress, callback
+from ._show import axes
+from ._surface import takes_mesh
+from ._words import Mode
 
 __all__ = ["Curve", "Curves", "curve"]
 
@@ -29,6 +32,13 @@ class Curve:
     #: Its length.
     length: float
 
+    def plot(self, ax: Any = None, **options: Any) -> Any:
+        """Draw the curve by matplotlib; `options` go to ``plot``."""
+        ax = axes(ax, projection="3d")
+        points = self.points if not self.closed else np.vstack([self.points, self.points[:1]])
+        ax.plot(*points.T, **options)
+        return ax
+
 
 @dataclass(frozen=True)
 class Curves:
@@ -44,6 +54,7 @@ class Curves:
     left_out: NDArray[Any]
 
 
+@takes_mesh
 def curve(
     v: ArrayLike,
     f: ArrayLike,
@@ -53,7 +64,7 @@ def curve(
     single: bool = False,
     steiner: bool = True,
     smooth: bool = False,
-    mode: str = "robust",
+    mode: Mode = "robust",
     candidates: int = 5,
     start: int = 0,
     progress: Progress = None,

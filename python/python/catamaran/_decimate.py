@@ -9,6 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
 from ._options import Progress, callback, to_scipy
+from ._surface import Mesh, takes_mesh
+from ._words import Reduction
 
 __all__ = ["Decimated", "FarthestPoints", "Origin", "decimate", "farthest_points"]
 
@@ -35,13 +37,33 @@ class Decimated(NamedTuple):
     #: vertex of the input, barycentric coordinates of the nearest point.
     weights: Any
 
+    def carried(self, f: ArrayLike, values: ArrayLike) -> NDArray[Any]:
+        """Return values at the new vertices of those at vertices of the input.
 
+        Parameters
+        ----------
+        f : array_like
+            Faces of the input.
+        values : array_like, a row for each vertex of the input
+            Colours, functions, or other numbers; texture coordinates if the mesh has no seams.
+        """
+        corners = np.asarray(values)[np.asarray(f)[self.origin.face]]
+        found: NDArray[Any] = np.einsum("ij,ij...->i...", self.origin.barycentric, corners)
+        return found
+
+    @property
+    def mesh(self) -> Mesh:
+        """The vertices and faces."""
+        return Mesh(self.v, self.f)
+
+
+@takes_mesh
 def decimate(
     v: ArrayLike,
     f: ArrayLike,
     n: int,
     *,
-    method: str = "uniform",
+    method: Reduction = "uniform",
     resample: bool = True,
     lloyd: int = 0,
     relaxation: int = 12,
@@ -110,6 +132,7 @@ class FarthestPoints(NamedTuple):
     distances: NDArray[np.float64]
 
 
+@takes_mesh
 def farthest_points(
     v: ArrayLike,
     f: ArrayLike,

@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
-from ._options import Progress, callback, to_nearest
+from ._options import Progress, callback, matrix_of, rows_of, to_nearest
+from ._show import axes, table
+from ._words import MissingRows, RankDeficiency
 
 __all__ = ["SVD", "LeastSquares", "PrincipalComponents", "lstsq", "pca", "svd"]
 
@@ -17,7 +19,7 @@ __all__ = ["SVD", "LeastSquares", "PrincipalComponents", "lstsq", "pca", "svd"]
 def fit_options(
     ridge: float,
     intercept: bool,
-    rank_deficiency: str,
+    rank_deficiency: RankDeficiency,
     standard_errors: bool,
     threads: Optional[int],
 ) -> Dict[str, Any]:
@@ -31,7 +33,7 @@ def fit_options(
     }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LeastSquares:
     """A solution of `lstsq`. With a vector `b` the attributes without a number of targets in their
     shape are numbers, and `x` is a vector."""
@@ -90,9 +92,57 @@ class LeastSquares:
     #: The rows that were left out because a value is missing.
     left_out: Tuple[int, ...] = ()
 
+    def plot(self, ax: Any = None, confidence: float = 0.95) -> Any:
+        """Draw the coefficients with their confidence intervals, by matplotlib."""
+        ax = axes(ax)
+        x = self.x.reshape(len(self.x), -1)
+        width = np.zeros_like(x)
+        if np.size(self.standard_errors) > 0:
+            width = (self._factor(confidence) * self.standard_errors).reshape(x.shape)
+        for target, (center, half) in enumerate(zip(x.T, width.T)):
+            ax.errorbar(np.arange(len(x)), center, half, fmt="o", label=f"target {target}")
+        ax.set(xlabel="column", ylabel="coefficient")
+        if x.shape[1] > 1:
+            ax.legend()
+        return ax
+
+    def __repr__(self) -> str:
+        return f"LeastSquares({self.observations} observations, rank {self.rank})"
+
+    def _rows(self, target: int, values: Any, constant: Any) -> List[float]:
+        """Return the values of a target, that of the intercept first if there is one."""
+        of_target = np.reshape(values, (len(self.x), -1))[:, target]
+        return [*np.ravel(constant)[target : target + 1], *of_target]
+
+    def __str__(self) -> str:
+        first = len(self.x) - len(self.factor_columns)
+        names = [str(i) for i in range(first)] + list(self.factor_columns)
+        # The weight is that of errors, which may not have been asked for.
+        fitted = np.isfinite(self.weight) or np.any(np.asarray(self.intercept) != 0)
+        lines = [
+            f"{self.observations} observations, rank {self.rank}, {self.degrees_of_freedom} "
+            f"degrees of freedom, {self.digits:.1f} digits"
+        ]
+        shares = np.ravel(self.r_squared)
+        for target, share in enumerate(shares):
+            columns: Dict[str, Any] = {
+                "column": ["intercept"] * int(fitted) + names,
+                "coefficient": self._rows(target, self.x, self.intercept if fitted else ()),
+            }
+            if np.size(self.standard_errors) > 0:
+                for name, values, constant in [
+                    ("standard error", self.standard_errors, self.intercept_errors),
+                    ("t", self.t_statistics, self.intercept_t_statistics),
+                    ("p", self.p_values, self.intercept_p_values),
+                ]:
+                    columns[name] = self._rows(target, values, constant)
+            heading = f"target {target}: " if len(shares) > 1 else ""
+            lines.append(f"{heading}R^2 {share:.6g}\n{table(columns)}")
+        return "\n".join(lines)
+
     def predict(self, a: ArrayLike) -> NDArray[np.float64]:
         """Return ``A x + intercept``. With factors A has the columns `factor_columns` too."""
-        found: NDArray[np.float64] = np.asarray(a) @ self.x + self.intercept
+        found: NDArray[np.float64] = matrix_of("a", a) @ self.x + self.intercept
         return found
 
     @to_nearest
@@ -132,7 +182,7 @@ class LeastSquares:
         """Return the standard errors of predictions: of the mean at each row, or with `observation`
         of one new observation there."""
         self._check_errors()
-        spread: Any = (np.asarray(a) - self.mean) @ self.root.T
+        spread: Any = (matrix_of("a", a) - self.mean) @ self.root.T
         squares = (spread**2).sum(axis=1) + 1 / self.weight + float(observation)
         return np.multiply.outer(np.sqrt(squares), self.residual_deviation)
 
@@ -221,10 +271,10 @@ def lstsq(
     weights: Optional[ArrayLike] = None,
     ridge: float = 0.0,
     intercept: bool = False,
-    rank_deficiency: str = "minimum_norm",
+    rank_deficiency: RankDeficiency = "minimum_norm",
     standard_errors: bool = True,
     factors: Optional[Mapping[str, Any]] = None,
-    missing: str = "error",
+    missing: MissingRows = "error",
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> LeastSquares:
@@ -235,7 +285,7 @@ def lstsq(
 
     Parameters
     ----------
-    a : array_like, m x n
+    a : array_like, m x n, or a matrix of scipy.sparse
         The matrix A. float32 and float64 are not copied.
     b : array_like of m numbers, or m x k
         The targets B.
@@ -287,48 +337,73 @@ def lstsq(
         raise ValueError(f"missing: '{missing}' is not one of 'error', 'drop'")
     options = fit_options(ridge, intercept, rank_deficiency, standard_errors, threads)
     if not factors and missing == "error":
-        found = _catamaran.lstsq(a, b, weights, options, callback(progress))
+        found = _catamaran.lstsq(rows_of(a), b, weights, options, callback(progress))
         return solution(found, np.ndim(b) == 1)
+    b = matrix_of("b", b)
     levels, codes = coded(factors or {})
     if codes is None:
         codes = np.empty((np.shape(b)[0], 0))
     found, columns, left_out = _catamaran.lstsq_table(
-        a, codes, levels, b, weights, missing == "drop", options, callback(progress)
+        rows_of(a), codes, levels, b, weights, missing == "drop", options, callback(progress)
     )
     found.update(factor_columns=tuple(columns), left_out=tuple(left_out))
     return solution(found, np.ndim(b) == 1)
 
 
+@dataclass(frozen=True, repr=False, eq=False)
 class PrincipalComponents:
-    """Principal components of `pca`.
+    """Principal components of `pca`."""
 
-    Attributes
-    ----------
-    components : ndarray, count x n
-        One orthonormal row for each component, the most variance first.
-    explained_variance, explained_variance_ratio : ndarray of count numbers
-        The variance along each component, and its share of all variance.
-    singular_values : ndarray of count numbers
-        Of the centred (and standardized) rows.
-    mean, scale : ndarray of n numbers
-        What is subtracted from each column, and what it is then divided by.
-    whiten : bool
-        Whether scores have variance 1.
-    """
-
-    def __init__(self, found: _catamaran.PrincipalComponents) -> None:
-        self._found = found
-        self.components: NDArray[np.float64] = found.components
-        self.explained_variance: NDArray[np.float64] = found.explained_variance
-        self.explained_variance_ratio: NDArray[np.float64] = found.explained_variance_ratio
-        self.singular_values: NDArray[np.float64] = found.singular_values
-        self.mean: NDArray[np.float64] = found.mean
-        self.scale: NDArray[np.float64] = found.scale
-        self.whiten: bool = found.whiten
+    #: count x n: one orthonormal row for each component, the most variance first.
+    components: NDArray[np.float64]
+    #: The variance along each component.
+    explained_variance: NDArray[np.float64]
+    #: Its share of all variance.
+    explained_variance_ratio: NDArray[np.float64]
+    #: The singular values of the centred (and standardized) rows.
+    singular_values: NDArray[np.float64]
+    #: What is subtracted from each column.
+    mean: NDArray[np.float64]
+    #: What each column is then divided by.
+    scale: NDArray[np.float64]
+    #: Whether scores have variance 1.
+    whiten: bool
 
     def transform(self, rows: ArrayLike, *, progress: Progress = None) -> NDArray[np.float64]:
-        """Return the scores (m x count) of rows (m x n)."""
-        return self._found.transform(rows, callback(progress))
+        """Return the scores (m x count) of rows (m x n), which may be a matrix of scipy.sparse."""
+        return _catamaran.scores(rows_of(rows), self, callback(progress))
+
+    @to_nearest
+    def inverse_transform(self, scores: ArrayLike) -> NDArray[np.float64]:
+        """Return the rows (m x n) whose scores these are (m x count), in the space of the
+        components."""
+        of: Any = matrix_of("scores", scores)
+        if self.whiten:
+            of = of * np.sqrt(self.explained_variance)
+        rows: NDArray[np.float64] = of @ self.components
+        rows *= self.scale
+        rows += self.mean
+        return rows
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the share of the variance of each component, and their sums, by matplotlib."""
+        ax = axes(ax)
+        numbers = np.arange(1, len(self.explained_variance) + 1)
+        ax.bar(numbers, self.explained_variance_ratio, label="share")
+        ax.plot(numbers, self.explained_variance_ratio.cumsum(), "k.-", label="sum")
+        ax.set(xlabel="component", ylabel="share of the variance")
+        ax.legend()
+        return ax
+
+    def __str__(self) -> str:
+        shares = self.explained_variance_ratio
+        columns: Dict[str, Any] = {
+            "component": range(1, len(shares) + 1),
+            "variance": self.explained_variance,
+            "share": shares,
+            "sum of shares": shares.cumsum(),
+        }
+        return f"{self!r}\n{table(columns)}"
 
     def __repr__(self) -> str:
         count, n = self.components.shape
@@ -350,7 +425,7 @@ def pca(
 
     Parameters
     ----------
-    a : array_like, m x n
+    a : array_like, m x n, or a matrix of scipy.sparse
         A row for each observation.
     n_components : int or float, optional
         How many components, or the share of the variance that they explain; all by default.
@@ -376,11 +451,15 @@ def pca(
     PrincipalComponents(1 of 2 columns, 100.0% of the variance)
     >>> found.mean
     array([2., 4.])
+    >>> print(found)
+    PrincipalComponents(1 of 2 columns, 100.0% of the variance)
+    component  variance  share  sum of shares
+            1         5      1              1
     """
     found = _catamaran.pca(
-        a, weights, n_components, standardize, whiten, threads, callback(progress)
+        rows_of(a), weights, n_components, standardize, whiten, threads, callback(progress)
     )
-    return PrincipalComponents(found)
+    return PrincipalComponents(**found)
 
 
 class SVD(NamedTuple):
@@ -409,7 +488,7 @@ def svd(
 
     Parameters
     ----------
-    a : array_like, m x n
+    a : array_like, m x n, or a matrix of scipy.sparse
         The matrix.
     compute_u : bool
         Whether left singular vectors are computed in a second pass, ``A V / s``. They are
@@ -429,9 +508,9 @@ def svd(
     >>> catamaran.svd(np.array([[3.0, 0.0], [0.0, 1e-9], [0.0, 0.0]])).s
     array([3.e+00, 1.e-09])
     """
-    s, v = _catamaran.svd(a, threads, callback(progress))
+    s, v = _catamaran.svd(rows_of(a), threads, callback(progress))
     u = None
     if compute_u:
-        u = np.asarray(a) @ v
+        u = matrix_of("a", a) @ v
         u /= s[: v.shape[1]]
     return SVD(u, s, v.T)

@@ -19,6 +19,9 @@ from ._options import (
     warn_caller,
     warn_of_pieces,
 )
+from ._show import axes
+from ._surface import Mesh, MeshLike, mesh_arrays, takes_mesh, with_mesh
+from ._words import Boundary, Kind, MassKind
 
 __all__ = ["Eigenpairs", "Laplacian", "eigsh", "laplacian", "read_mesh", "write_mesh"]
 
@@ -70,13 +73,13 @@ def read_mesh(path: Path, *, attributes: bool = False) -> Any:
     """
     v, f, more = _catamaran.read_mesh(path)
     warn(path, more["notes"])
-    return (v, f, more) if attributes else (v, f)
+    return (v, f, more) if attributes else Mesh(v, f)
 
 
 def write_mesh(
     path: Path,
-    v: ArrayLike,
-    f: ArrayLike,
+    v: Union[ArrayLike, MeshLike],
+    f: Optional[ArrayLike] = None,
     *,
     colors: Optional[ArrayLike] = None,
     uv: Optional[ArrayLike] = None,
@@ -90,7 +93,7 @@ def write_mesh(
     path : path
         The file; it appears whole or not at all.
     v, f : array_like, n x 3 and m x 3
-        Vertices and faces.
+        Vertices and faces; or a mesh instead of both.
     colors : array_like, n x 3 or n x 4, optional
         Colours of the vertices, from 0 to 1.
     uv : array_like, m x 3 x 2, optional
@@ -111,9 +114,12 @@ def write_mesh(
     OSError
         Names the file; also where faces would vanish in single precision.
     """
+    mesh: Any = (v, f) if f is not None else mesh_arrays(v)
+    if mesh is None:
+        raise TypeError("f: missing, and v is not a mesh")
     if uv is not None:
         uv = np.asarray(uv, dtype=np.float64)
-    warn(path, _catamaran.write_mesh(path, v, f, colors, uv, overwrite, text))
+    warn(path, _catamaran.write_mesh(path, mesh[0], mesh[1], colors, uv, overwrite, text))
 
 
 def warn(path: Path, notes: Sequence[str]) -> None:
@@ -133,13 +139,14 @@ class Laplacian(NamedTuple):
     kept: NDArray[Any]
 
 
+@takes_mesh
 def laplacian(
     v: ArrayLike,
     f: ArrayLike,
     *,
-    kind: str = "cotangent",
-    mass: str = "barycentric",
-    boundary: Union[str, ArrayLike] = "neumann",
+    kind: Kind = "cotangent",
+    mass: MassKind = "barycentric",
+    boundary: Union[Boundary, ArrayLike] = "neumann",
     weld: bool = False,
     threads: Optional[int] = None,
     progress: Progress = None,
@@ -190,15 +197,23 @@ class Eigenpairs(NamedTuple):
     #: n x k, orthonormal in the inner product of the mass.
     vectors: NDArray[np.float64]
 
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the values by matplotlib, the first one above 0."""
+        ax = axes(ax)
+        ax.plot(np.arange(len(self.values)), self.values, ".-")
+        ax.set(xlabel="number", ylabel="eigenvalue")
+        return ax
 
+
+@with_mesh
 def eigsh(
     v: Any,
     f: Any = None,
     k: int = 100,
     *,
-    kind: str = "cotangent",
-    mass: str = "barycentric",
-    boundary: Union[str, ArrayLike] = "neumann",
+    kind: Kind = "cotangent",
+    mass: MassKind = "barycentric",
+    boundary: Union[Boundary, ArrayLike] = "neumann",
     sigma: Optional[float] = None,
     tol: float = 1e-9,
     verify_count: bool = False,
@@ -209,8 +224,9 @@ def eigsh(
 ) -> Eigenpairs:
     """Compute the first eigenpairs of the Laplacian of a mesh, or of a sparse pencil.
 
-    ``eigsh(v, f, k)`` takes a mesh. ``eigsh(A, M, k)`` takes a symmetric positive semi-definite
-    matrix of scipy.sparse and a mass: a positive definite one, a vector, or None.
+    ``eigsh(v, f, k)`` and ``eigsh(mesh, k)`` take a mesh. ``eigsh(A, M, k)`` takes a symmetric
+    positive semi-definite matrix of scipy.sparse and a mass: a positive definite one, a vector, or
+    None.
 
     Every component of a mesh without a vertex held at zero has an eigenvalue zero. Without `sigma`
     a warning says how many there are where the mesh has several components. Another one says how

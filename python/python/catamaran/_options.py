@@ -5,18 +5,28 @@ from __future__ import annotations
 import sys
 import warnings
 from functools import wraps
-from typing import TYPE_CHECKING, Any, Callable, List, Optional, Tuple, TypeVar, Union, cast
+from typing import (
+    TYPE_CHECKING,
+    Any,
+    Callable,
+    List,
+    NamedTuple,
+    Optional,
+    Tuple,
+    TypeVar,
+    Union,
+    cast,
+)
 
 from ._catamaran import Nearest
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from ._words import Accuracy, Scheme, Triangle
+
 #: A callable that is told `done` and `total`, or a progress bar of tqdm.
 Progress = Union[Callable[[int, int], Any], Any, None]
-
-#: A word, or the factor that errors may grow by.
-Accuracy = Union[str, float]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -64,7 +74,7 @@ def part(progress: Progress, start: float, stop: float) -> Optional[Callable[[in
 
 
 def products(
-    uplo: str, scheme: str, accuracy: Accuracy, reproducible: bool, threads: Optional[int]
+    uplo: Triangle, scheme: Scheme, accuracy: Accuracy, reproducible: bool, threads: Optional[int]
 ) -> Tuple[str, str, Accuracy, bool, Optional[int]]:
     """Return the options of a product as the extension takes them."""
     return (uplo, scheme, accuracy, reproducible, threads)
@@ -75,7 +85,16 @@ def is_sparse(a: Any) -> bool:
     return hasattr(a, "tocsr") and hasattr(a, "nnz")
 
 
-def csr(a: Any) -> Tuple[Any, Any, Any, Tuple[int, int]]:
+class Csr(NamedTuple):
+    """A sparse matrix by rows, as the extension takes it."""
+
+    data: Any
+    indices: Any
+    indptr: Any
+    shape: Tuple[int, int]
+
+
+def csr(a: Any) -> Csr:
     """Return a matrix of scipy.sparse as the extension takes it."""
     import numpy as np
 
@@ -86,7 +105,24 @@ def csr(a: Any) -> Tuple[Any, Any, Any, Tuple[int, int]]:
         a = a.copy()
         a.sum_duplicates()
     data = np.asarray(a.data, dtype=np.float64)
-    return (data, a.indices.astype(np.uintp), a.indptr.astype(np.uintp), a.shape)
+    return Csr(data, a.indices.astype(np.uintp), a.indptr.astype(np.uintp), a.shape)
+
+
+def rows_of(a: Any) -> Any:
+    """Return a matrix, which may be one of scipy.sparse, as the extension takes its rows."""
+    return csr(a) if is_sparse(a) else a
+
+
+def matrix_of(name: str, a: Any) -> Any:
+    """Return a matrix of scipy.sparse as it is, anything else as an array without a mask."""
+    import numpy as np
+
+    if is_sparse(a):
+        return a
+    if np.ma.is_masked(a):
+        count = np.ma.getmaskarray(a).sum()
+        raise ValueError(f"{name}: {count} entries are masked: fill them, or leave out their rows")
+    return np.asarray(a)
 
 
 def to_scipy(parts: Tuple[Any, Any, Any, Tuple[int, int]]) -> Any:

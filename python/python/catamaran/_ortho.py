@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
-from ._options import Progress, callback, mass_of
+from ._options import Progress, callback, mass_of, rows_of
+from ._words import Method
 
 __all__ = ["Orthonormal", "orthogonality", "orthogonalize", "qr"]
 
@@ -58,6 +59,7 @@ def qr(
     array([[ 0.6,  0.8],
            [ 0.8, -0.6]])
     """
+    a = rows_of(a) if mass is None else a
     return _catamaran.qr(a, mass_of(mass), threads, callback(progress))
 
 
@@ -65,7 +67,7 @@ def orthogonalize(
     a: ArrayLike,
     *,
     mass: Any = None,
-    method: str = "reorthogonalized",
+    method: Method = "reorthogonalized",
     threshold: Optional[float] = None,
     threads: Optional[int] = None,
     progress: Progress = None,
@@ -128,4 +130,4 @@ def orthogonality(
     >>> catamaran.orthogonality(np.eye(3)[:, :2] * (1 + 2**-52))[1] == 2**-51 + 2**-104
     True
     """
-    return _catamaran.orthogonality(q, threads, callback(progress))
+    return _catamaran.orthogonality(rows_of(q), threads, callback(progress))

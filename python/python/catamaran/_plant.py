@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 from . import _catamaran
 from ._options import Progress, callback
+from ._show import axes
+from ._surface import Mesh
 
 __all__ = ["Plant", "Wilting", "grow_plant", "read_plant", "wilt"]
 
@@ -36,11 +38,19 @@ class Plant:
         self.tails: NDArray[np.float64]
         self.tails, self.radii, self.parents, self.leaves, self.base = handle.arrays()
 
+    def __reduce__(self) -> Tuple[Any, ...]:
+        lists = (self.leaves.tolist(), self.base.tolist(), self._handle.more())
+        return (_restored, (self.tails, self.radii, self.parents, *lists))
+
     def __len__(self) -> int:
         return len(self._handle)
 
     def __repr__(self) -> str:
         return f"Plant({len(self)} segments, {int(self.leaves.sum())} of them on leaves)"
+
+
+def _restored(*arrays: Any) -> Plant:
+    return Plant(_catamaran.PlantHandle(*arrays))
 
 
 def read_plant(path: Union[str, os.PathLike[str]]) -> Plant:
@@ -83,9 +93,17 @@ class Wilting:
         self.heads: NDArray[np.float64] = np.stack([pose[0] for pose in self._poses])
         self.tails: NDArray[np.float64] = np.stack([pose[1] for pose in self._poses])
 
-    def mesh(self, frame: int, *, sides: int = 6, thinnest: float = 0.0) -> Any:
+    def mesh(self, frame: int, *, sides: int = 6, thinnest: float = 0.0) -> Mesh:
         """Return vertices and faces of tubes around the segments in a frame."""
-        return _catamaran.tubes(self.plant._handle, list(self._poses[frame]), sides, thinnest)
+        pose = list(self._poses[frame])
+        return Mesh(*_catamaran.tubes(self.plant._handle, pose, sides, thinnest))
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the water of the plant over the hours, by matplotlib."""
+        ax = axes(ax)
+        ax.plot(self.hours, self.water.sum(axis=1))
+        ax.set(xlabel="hours", ylabel="water in kg")
+        return ax
 
     def __repr__(self) -> str:
         return f"Wilting({len(self.hours)} frames of {self.plant!r})"

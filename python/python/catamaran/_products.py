@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Optional, Tuple, Union
+from typing import Any, Literal, Optional, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from . import _catamaran
 from ._gram import LeastSquares, PrincipalComponents, fit_options, solution
-from ._options import Accuracy, Progress, callback, csr, is_sparse, products, to_nearest
+from ._options import Progress, callback, csr, is_sparse, matrix_of, products, rows_of, to_nearest
+from ._words import Accuracy, RankDeficiency, Scheme, Sums, Triangle
 
 __all__ = ["Accumulator", "ata", "corrcoef", "cov", "plan"]
 
@@ -31,12 +32,12 @@ def ata(
     b: Optional[ArrayLike] = None,
     *,
     weights: Optional[ArrayLike] = None,
-    center: Union[bool, str, ArrayLike, None] = None,
+    center: Union[bool, Literal["mean"], ArrayLike, None] = None,
     out: Optional[NDArray[Any]] = None,
     alpha: float = 1.0,
     beta: float = 0.0,
-    uplo: str = "both",
-    scheme: str = "auto",
+    uplo: Triangle = "both",
+    scheme: Scheme = "auto",
     accuracy: Accuracy = "default",
     reproducible: bool = False,
     dtype: Optional[DTypeLike] = None,
@@ -61,8 +62,8 @@ def ata(
         What is subtracted from every row first: the mean, weighted if there are weights, or this
         row; real matrices only.
     out : ndarray, n x n (n x k with B), optional
-        Where the result goes: C. Any strides; its dtype is that of the result. It shares no memory
-        with A and B.
+        Where the result goes: C. Any strides; its dtype is that of the result. It has no element in
+        common with A and B, but may be in the same buffer.
     alpha, beta : float
         Factors. With ``beta == 0``, the default, the content of `out` is not read.
     uplo : {"both", "lower", "upper"}
@@ -116,9 +117,10 @@ def ata(
     if progress is not None:
         progress = callback(progress)
     if is_sparse(a):
-        if b is not None or center is not None:
-            raise TypeError("a: sparse, where b and center need a dense matrix")
-        return _catamaran.ata_sparse(csr(a), weights, out, alpha, beta, options, progress)
+        if b is not None:
+            raise TypeError("a: sparse, where b needs a dense matrix")
+        center = _center(center)
+        return _catamaran.ata_sparse(csr(a), weights, center, out, alpha, beta, options, progress)
     wide = False
     if dtype is not None:
         wide = np.dtype(dtype) == np.float64
@@ -146,7 +148,7 @@ def cov(
 
     Parameters
     ----------
-    a : array_like, m x n
+    a : array_like, m x n, or a matrix of scipy.sparse
         A row for each observation, a column for each variable.
     ddof : int
         What is subtracted from the number of observations in the divisor.
@@ -170,24 +172,26 @@ def cov(
     array([[ 1., -1.],
            [-1.,  1.]])
     """
-    a = np.asarray(a)
-    if a.ndim == 2 and rowvar:
-        a = a.T
-    if a.ndim != 2:
-        raise ValueError(f"a: expected an array of 2 dimensions, got {a.ndim}")
+    rows: Any = matrix_of("a", a)
+    if rows.ndim == 2 and rowvar:
+        rows = rows.T
+    if rows.ndim != 2:
+        raise ValueError(f"a: expected an array of 2 dimensions, got {rows.ndim}")
     weights = None
     for more in (fweights, aweights):
         if more is not None:
-            more = np.asarray(more, dtype=np.float64)
+            more = matrix_of("weights", more).astype(np.float64)
             weights = more if weights is None else weights * more
-    total = a.shape[0] if weights is None else float(weights.sum())
+    total = rows.shape[0] if weights is None else float(weights.sum())
     lost = float(ddof)
     if aweights is not None and ddof and weights is not None:
         lost = ddof * float((weights * np.asarray(aweights, dtype=np.float64)).sum()) / total
     if total - lost <= 0.0:
-        raise ValueError(f"ddof: {ddof} leaves no degree of freedom of {a.shape[0]} observations")
+        raise ValueError(
+            f"ddof: {ddof} leaves no degree of freedom of {rows.shape[0]} observations"
+        )
     return ata(
-        a,
+        rows,
         weights=weights,
         center=True,
         alpha=1.0 / (total - lost),
@@ -207,7 +211,7 @@ def corrcoef(
 
     Parameters
     ----------
-    a : array_like, m x n
+    a : array_like, m x n, or a matrix of scipy.sparse
         A row for each observation, a column for each variable.
     rowvar : bool
         Whether variables are rows, as `numpy.corrcoef` has it by default.
@@ -227,8 +231,8 @@ def corrcoef(
     array([[ 1., -1.],
            [-1.,  1.]])
     """
-    a = np.asarray(a)
-    return _catamaran.corrcoef(a.T if rowvar else a, threads, callback(progress))
+    rows: Any = matrix_of("a", a)
+    return _catamaran.corrcoef(rows_of(rows.T if rowvar else rows), threads, callback(progress))
 
 
 def plan(
@@ -237,8 +241,8 @@ def plan(
     k: Optional[int] = None,
     *,
     dtype: DTypeLike = np.float64,
-    uplo: str = "both",
-    scheme: str = "auto",
+    uplo: Triangle = "both",
+    scheme: Scheme = "auto",
     accuracy: Accuracy = "default",
     reproducible: bool = False,
     threads: Optional[int] = None,
@@ -344,7 +348,7 @@ class Accumulator(_catamaran.Accumulator):
         *,
         center: bool = False,
         dtype: DTypeLike = np.float64,
-        kind: str = "float",
+        kind: Sums = "float",
         bounds: Optional[Tuple[ArrayLike, ArrayLike, int]] = None,
         largest_weight: Optional[float] = None,
     ) -> Accumulator:
@@ -360,7 +364,7 @@ class Accumulator(_catamaran.Accumulator):
         rows: ArrayLike,
         weights: Optional[ArrayLike] = None,
         *,
-        scheme: str = "auto",
+        scheme: Scheme = "auto",
         accuracy: Accuracy = "default",
         threads: Optional[int] = None,
         progress: Progress = None,
@@ -385,7 +389,7 @@ class Accumulator(_catamaran.Accumulator):
         """Add the rows of another accumulator, which stays as it is."""
         self._merge(other)
 
-    def result(self, *, alpha: float = 1.0, uplo: str = "both") -> NDArray[Any]:
+    def result(self, *, alpha: float = 1.0, uplo: Triangle = "both") -> NDArray[Any]:
         """Return ``alpha A^T W A``, about the mean with `center`; more rows may come after it."""
         return self._result(alpha, uplo)
 
@@ -407,7 +411,7 @@ class Accumulator(_catamaran.Accumulator):
         *,
         ridge: float = 0.0,
         intercept: bool = False,
-        rank_deficiency: str = "minimum_norm",
+        rank_deficiency: RankDeficiency = "minimum_norm",
         standard_errors: bool = True,
         threads: Optional[int] = None,
     ) -> LeastSquares:
@@ -423,8 +427,12 @@ class Accumulator(_catamaran.Accumulator):
         whiten: bool = False,
         threads: Optional[int] = None,
     ) -> PrincipalComponents:
-        """Compute the principal components of extended sums; see `catamaran.pca`."""
-        return PrincipalComponents(self._pca(n_components, standardize, whiten, threads))
+        """Compute the principal components of float64 sums about the mean; see `catamaran.pca`.
+
+        Unless the sums are extended, components whose singular values are below about 1e-7 of the
+        largest are left out: they are rounding.
+        """
+        return PrincipalComponents(**self._pca(n_components, standardize, whiten, threads))
 
     def save(self, path: Union[str, os.PathLike[str]]) -> None:
         """Write the sums to a file, which appears whole or not at all and replaces an older one.

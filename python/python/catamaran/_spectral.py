@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
-from typing import Any, List, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, List, NamedTuple, Optional, Sequence, Tuple, Union, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
 from ._options import Progress, callback, part, to_scipy, warn_of_pieces
+from ._show import axes
+from ._surface import Mesh, MeshLike, mesh_arrays, takes_mesh, with_mesh
+from ._words import Kind, Method, Refinement
 
 __all__ = [
     "Eigenbasis",
     "Eigenproducts",
     "FunctionalMap",
+    "ShapeFromSpectrum",
     "eigenproducts",
     "functional_map",
+    "shape_from_spectrum",
     "transfer",
+    "transfer_details",
 ]
 
 
@@ -51,20 +57,25 @@ class Eigenbasis(_catamaran.Eigenbasis):
     >>> basis = catamaran.Eigenbasis(*catamaran.shapes.icosphere(3), 5)
     >>> basis.functions.shape
     (642, 5)
+    >>> smooth = basis.filter(catamaran.shapes.icosphere(3).v, lambda x: x < 3)
     """
 
     def __new__(
         cls,
-        v: ArrayLike,
-        f: ArrayLike,
+        v: Union[ArrayLike, MeshLike],
+        f: Optional[ArrayLike] = None,
         k: int = 31,
         *,
-        kind: str = "cotangent",
+        kind: Kind = "cotangent",
         weld: bool = False,
         threads: Optional[int] = None,
         progress: Progress = None,
     ) -> Eigenbasis:
-        basis = super().__new__(cls, v, f, k, kind, weld, threads, callback(progress))
+        mesh = mesh_arrays(v)
+        if mesh is not None:
+            v, f = mesh
+        parts = _catamaran.eigenbasis(v, f, k, kind, weld, threads, callback(progress))
+        basis = super().__new__(cls, *parts)
         warn_of_pieces(basis._pieces, dirichlet=False, shifted=False, name="")
         return basis
 
@@ -73,12 +84,105 @@ class Eigenbasis(_catamaran.Eigenbasis):
         """The inner product."""
         return to_scipy(self._mass())
 
+    def __reduce__(self) -> Tuple[Any, ...]:
+        # The mass is a diagonal.
+        masses = self._mass()[0]
+        return (_restored, (self.values, self.functions, masses, self._pieces))
+
+    def filter(
+        self,
+        functions: ArrayLike,
+        gain: Callable[[NDArray[np.float64]], ArrayLike],
+        rest: float = 0.0,
+        *,
+        threads: Optional[int] = None,
+    ) -> NDArray[np.float64]:
+        """Multiply the coefficients of functions.
+
+        Parameters
+        ----------
+        functions : array_like, n x c, or n numbers
+            Functions on the vertices, such as coordinates.
+        gain : callable
+            Returns the factor of each coefficient, given the eigenvalues: ``lambda x: x < 3`` is a
+            low-pass filter, and ``lambda x: np.exp(-t * x)`` the diffusion of heat for a time t.
+        rest : float
+            The factor of what is left of the functions outside of the basis.
+        threads
+            As in `ata`.
+
+        Returns
+        -------
+        ndarray, of the shape of `functions`
+        """
+        gains = np.asarray(gain(self.values), dtype=np.float64)
+        found = self._filter(functions, gains, rest, threads)
+        return found[:, 0] if np.ndim(functions) == 1 else found
+
+    def split(
+        self, functions: ArrayLike, *, threads: Optional[int] = None
+    ) -> Tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the nearest functions in the basis, and the details: what is left of them."""
+        low = self.filter(functions, np.ones_like, threads=threads)
+        return low, np.asarray(functions) - low
+
+    def heat_kernel_signature(
+        self,
+        count: int = 100,
+        *,
+        times: Optional[ArrayLike] = None,
+        threads: Optional[int] = None,
+    ) -> Tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Compute heat kernel signatures (Sun, Ovsjanikov and Guibas 2009).
+
+        Parameters
+        ----------
+        count : int
+            Times, from 4 ln 10 over the largest eigenvalue to 4 ln 10 over the smallest one that is
+            not 0, in equal ratios; for no `times`.
+        times : array_like, optional
+            Other times, in units of length^2.
+        threads
+            As in `ata`.
+
+        Returns
+        -------
+        signatures : ndarray, n x count
+            In units of 1 / area.
+        times : ndarray of count numbers
+        """
+        return self._heat_signature(times, count, threads)
+
+    def wave_kernel_signature(
+        self, count: int = 100, *, threads: Optional[int] = None
+    ) -> Tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Compute wave kernel signatures (Aubry, Schlickewei and Cremers 2011).
+
+        Parameters
+        ----------
+        count : int
+            Energies: logarithms of eigenvalues.
+        threads
+            As in `ata`.
+
+        Returns
+        -------
+        signatures : ndarray, n x count
+            In units of 1 / area.
+        energies : ndarray of count numbers
+        """
+        return self._wave_signature(count, threads)
+
     def __repr__(self) -> str:
         return f"Eigenbasis({len(self)} functions)"
 
 
-#: What functions take: a basis, or vertices and faces.
-Shape = Union[Eigenbasis, Tuple[ArrayLike, ArrayLike]]
+def _restored(*parts: Any) -> Eigenbasis:
+    return _catamaran.Eigenbasis.__new__(Eigenbasis, *parts)
+
+
+#: What functions take: a basis, vertices and faces, or a mesh.
+Shape = Union[Eigenbasis, Tuple[ArrayLike, ArrayLike], MeshLike]
 
 
 #: The part of the progress of a call that a basis takes.
@@ -99,7 +203,7 @@ def _bases(
         if isinstance(shape, Eigenbasis):
             bases.append(shape)
             continue
-        v, f = shape
+        v, f = mesh_arrays(shape) or cast(Tuple[Any, Any], shape)
         of_basis = part(progress, start, start + _SHARE)
         bases.append(Eigenbasis(v, f, k, weld=weld, threads=threads, progress=of_basis))
         start += _SHARE
@@ -120,14 +224,15 @@ class Eigenproducts(NamedTuple):
     factors: List[List[int]]
 
 
+@with_mesh
 def eigenproducts(
     v: Any,
     f: Any = None,
     k: int = 30,
     order: int = 2,
     *,
-    method: str = "single_pass",
-    kind: str = "cotangent",
+    method: Method = "single_pass",
+    kind: Kind = "cotangent",
     weld: bool = False,
     threads: Optional[int] = None,
     progress: Progress = None,
@@ -183,6 +288,13 @@ class FunctionalMap(NamedTuple):
     #: The corresponding vertex of the source for each vertex of the target.
     points: NDArray[Any]
 
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the sizes of the coefficients by matplotlib."""
+        ax = axes(ax)
+        ax.imshow(np.abs(self.map))
+        ax.set(xlabel="function of the source", ylabel="function of the target")
+        return ax
+
 
 def functional_map(
     source: Shape,
@@ -194,7 +306,7 @@ def functional_map(
     zoom: int = 100,
     signatures: bool = True,
     commutativity: float = 1e-3,
-    refine: str = "zoomout",
+    refine: Refinement = "zoomout",
     weld: bool = False,
     threads: Optional[int] = None,
     progress: Progress = None,
@@ -203,7 +315,7 @@ def functional_map(
 
     Parameters
     ----------
-    source, target : (v, f) or Eigenbasis
+    source, target : (v, f), a mesh or Eigenbasis
         The meshes. Bases of (v, f) have k + 1 functions, or `zoom` for "zoomout".
     landmarks : array_like, count x 2, optional
         Corresponding vertices.
@@ -239,7 +351,7 @@ def functional_map(
     >>> found.map.shape
     (16, 16)
     """
-    both = (k, k) if isinstance(k, int) else k
+    both = (k, k) if isinstance(k, (int, np.integer)) else k
     lens = (both[0] + 1, both[1] + 1)
     more = [max(n, zoom) if refine == "zoomout" else n for n in lens]
     bases, rest = _bases((source, target), more, weld, threads, progress)
@@ -266,7 +378,7 @@ def transfer(
     points: Optional[ArrayLike] = None,
     k: Union[int, Tuple[int, int]] = 30,
     order: int = 2,
-    method: str = "single_pass",
+    method: Method = "single_pass",
     weld: bool = False,
     threads: Optional[int] = None,
     progress: Progress = None,
@@ -275,7 +387,7 @@ def transfer(
 
     Parameters
     ----------
-    source, target : (v, f) or Eigenbasis
+    source, target : (v, f), a mesh or Eigenbasis
         The meshes.
     functions : array_like, n_source x c, or n_source numbers
         Functions on the source.
@@ -306,7 +418,7 @@ def transfer(
     >>> bool(np.abs(g - v[:, 2]).max() < 0.01)
     True
     """
-    both = (k, k) if isinstance(k, int) else k
+    both = (k, k) if isinstance(k, (int, np.integer)) else k
     lens = (both[0] + 1, both[1] + 1)
     bases, rest = _bases((source, target), lens, weld, threads, progress)
     if points is None:
@@ -315,3 +427,130 @@ def transfer(
         bases[0], bases[1], functions, points, lens, order, method, threads, callback(rest)
     )
     return found[:, 0] if np.ndim(functions) == 1 else found
+
+
+def transfer_details(
+    source: Union[MeshLike, Tuple[ArrayLike, ArrayLike]],
+    target: Union[MeshLike, Tuple[ArrayLike, ArrayLike]],
+    *,
+    points: Optional[ArrayLike] = None,
+    smooth: int = 20,
+    k: Union[int, Tuple[int, int]] = 30,
+    order: int = 2,
+    method: Method = "single_pass",
+    threads: Optional[int] = None,
+    progress: Progress = None,
+) -> Mesh:
+    """Give a mesh the details of another one, in its own pose.
+
+    Details are the heights of the source over its smooth part, along the normals of that part; they
+    replace those of the target.
+
+    Parameters
+    ----------
+    source, target : (v, f), or a mesh
+        The meshes.
+    smooth : int
+        Eigenfunctions that the smooth parts are made of, the constant one not counted.
+    points, k, order, method
+        As in `transfer`, which carries the heights.
+    threads, progress
+        As in `ata`.
+
+    Returns
+    -------
+    Mesh
+        The target with other vertices.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import catamaran
+    >>> v, f = catamaran.shapes.icosphere(2)
+    >>> found = catamaran.transfer_details((v, f), (v, f), smooth=3, k=8)
+    >>> bool(np.abs(found.v - v).max() < 0.05)
+    True
+    """
+    both = (k, k) if isinstance(k, (int, np.integer)) else k
+    lens = (both[0] + 1, both[1] + 1)
+    meshes = [mesh_arrays(mesh) or cast(Tuple[Any, Any], mesh) for mesh in (source, target)]
+    more = [max(n, smooth + 1) for n in lens]
+    bases, rest = _bases(meshes, more, False, threads, progress)
+    if points is None:
+        points = np.arange(bases[1].functions.shape[0])
+    found = _catamaran.transfer_details(
+        meshes[0],
+        meshes[1],
+        bases[0],
+        bases[1],
+        smooth + 1,
+        points,
+        lens,
+        order,
+        method,
+        threads,
+        callback(rest),
+    )
+    return Mesh(*found)
+
+
+class ShapeFromSpectrum(NamedTuple):
+    """A mesh of `shape_from_spectrum`."""
+
+    #: The template with other vertices.
+    mesh: Mesh
+    #: Its first eigenvalues.
+    values: NDArray[np.float64]
+    #: Their mean relative difference from those that were wanted.
+    error: float
+    #: How many steps were taken.
+    steps: int
+
+
+@takes_mesh
+def shape_from_spectrum(
+    v: ArrayLike,
+    f: ArrayLike,
+    values: ArrayLike,
+    *,
+    steps: int = 60,
+    tolerance: float = 1e-3,
+    threads: Optional[int] = None,
+    progress: Progress = None,
+) -> ShapeFromSpectrum:
+    """Deform a template until the first eigenvalues of its Laplacian are those given.
+
+    Many surfaces have the same eigenvalues: the result is one near the template, or falls short of
+    the tolerance.
+
+    Parameters
+    ----------
+    v, f : array_like, n x 3 and m x 3
+        Vertices and faces of the template.
+    values : array_like of k numbers
+        Positive and ascending; those with Dirichlet boundary values, or, if the template is closed,
+        those that are not 0.
+    steps : int
+        Steps, at most.
+    tolerance : float
+        The mean relative difference at which the deformation ends.
+    threads, progress
+        As in `ata`.
+
+    Returns
+    -------
+    ShapeFromSpectrum
+
+    Examples
+    --------
+    >>> import catamaran
+    >>> v, f = catamaran.shapes.icosphere(2)
+    >>> wanted = [2, 2, 2, 6, 6, 6, 6, 6]  # of a sphere
+    >>> found = catamaran.shape_from_spectrum(v * [1, 1.1, 1.2], f, wanted, tolerance=0.01)
+    >>> found.error <= 0.01
+    True
+    """
+    mesh, eigenvalues, error, count = _catamaran.shape_from_spectrum(
+        v, f, values, steps, tolerance, threads, callback(progress)
+    )
+    return ShapeFromSpectrum(Mesh(*mesh), eigenvalues, error, count)

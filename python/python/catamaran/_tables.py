@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from . import _catamaran
 from ._options import Progress, callback, to_scipy, warn_caller
+from ._show import table
+from ._words import FileFormat, MissingCells
 
 __all__ = ["Table", "read"]
 
@@ -46,12 +48,20 @@ class Table:
     #: What was decided about a text table, in words; empty for other formats.
     reading: str
 
+    def __str__(self) -> str:
+        from scipy.sparse import issparse
+
+        if issparse(self.values):
+            return str(self.values)
+        names = self.names or [str(number) for number in self.numbers]
+        return table({name: self.values[:, j] for j, name in enumerate(names)})
+
     def factor(self, column: Union[int, str]) -> Factor:
         """Return a factor, given by its name or its place, as `lstsq` takes it."""
         place = column
         if isinstance(column, str) and column in self.names:
             place = self.names.index(column)
-        if not isinstance(place, int) or place not in self.levels:
+        if isinstance(place, str) or place not in self.levels:
             raise ValueError(f"column {column}: not a factor of this table")
         entries = self.values[:, place]
         codes = np.where(np.isnan(entries), -1, entries).astype(np.intp)
@@ -68,11 +78,11 @@ def read(
     header: Optional[bool] = None,
     skip: int = 0,
     comment: Optional[str] = None,
-    missing: str = "error",
+    missing: MissingCells = "error",
     missing_words: Optional[Sequence[str]] = None,
     index: Optional[bool] = None,
     encoding: Optional[str] = None,
-    format: Optional[str] = None,
+    format: Optional[FileFormat] = None,
     factors: Union[bool, Sequence[Union[int, str]]] = False,
     max_memory: Optional[int] = None,
     threads: Optional[int] = None,
@@ -195,6 +205,6 @@ def listed(
     """Return columns as the extension takes them: names, and numbers as text."""
     if columns is None:
         return None
-    if isinstance(columns, (int, str)):
+    if isinstance(columns, (str, int, np.integer)):
         return [str(columns)]
     return [str(column) for column in columns]

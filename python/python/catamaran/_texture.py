@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
 from ._options import Progress, callback, warn_caller
+from ._show import axes
+from ._surface import takes_mesh
+from ._words import Gradient
 
 __all__ = ["Fractal", "Slime", "newton", "slime"]
 
@@ -23,7 +26,15 @@ class Slime(NamedTuple):
     #: steps x species: the part of the surface that is covered.
     coverage: NDArray[np.float64]
 
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the texture by matplotlib, each texel in the brightness of its species with most."""
+        ax = axes(ax)
+        ax.imshow(self.texture.max(axis=0), origin="lower", extent=(0, 1, 0, 1))
+        ax.set(xlabel="u", ylabel="v")
+        return ax
 
+
+@takes_mesh
 def slime(
     v: ArrayLike,
     f: ArrayLike,
@@ -139,6 +150,14 @@ class Fractal(NamedTuple):
     #: How fast it is reached: the smaller, the faster.
     convergence: NDArray[np.float32]
 
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the roots of a plane by matplotlib."""
+        if self.roots.ndim != 2:
+            raise ValueError("plot: only the points of a plane can be drawn")
+        ax = axes(ax)
+        ax.imshow(self.roots, origin="lower")
+        return ax
+
 
 def newton(
     points: Optional[ArrayLike] = None,
@@ -151,7 +170,7 @@ def newton(
     volume: bool = False,
     iterations: int = 32,
     theta: float = 3.5,
-    gradient: str = "thesis",
+    gradient: Gradient = "thesis",
     scale: float = 1.0,
     offset: Tuple[float, float, float] = (0.0, 0.0, 0.0),
     w: float = 0.0,
@@ -210,7 +229,7 @@ def newton(
         raise ValueError(f"gradient: '{gradient}' is not one of 'thesis', 'shader'")
     if size is None:
         size = 128 if volume else 1024
-    width, height = (size, size) if isinstance(size, int) else size
+    width, height = (size, size) if isinstance(size, (int, np.integer)) else size
     kind = "list" if points is not None else "cube" if volume else "plane"
     shapes = {"cube": (width, width, width), "plane": (height, width)}
     at = {

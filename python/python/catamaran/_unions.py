@@ -3,24 +3,27 @@
 from __future__ import annotations
 
 import os
-from typing import Any, List, NamedTuple, Optional, Sequence, Union
+from typing import Any, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
 from ._options import Progress, callback, warn_of_pieces
+from ._surface import mesh_arrays, takes_mesh
+from ._words import Kind
 
-__all__ = ["UnionSpectrum", "shape_dna", "union_spectrum"]
+__all__ = ["UnionSpectrum", "locate_union", "shape_dna", "union_spectrum"]
 
 
+@takes_mesh
 def shape_dna(
     v: ArrayLike,
     f: ArrayLike,
     k: int = 20,
     *,
     normalized: bool = True,
-    kind: str = "cotangent",
+    kind: Kind = "cotangent",
     weld: bool = False,
     threads: Optional[int] = None,
     progress: Progress = None,
@@ -88,7 +91,7 @@ def union_spectrum(
 
     Parameters
     ----------
-    parts : sequence of (v, f) or of 20 eigenvalues
+    parts : sequence of (v, f), of meshes, or of 20 eigenvalues
         The parts, at least two: meshes of which each component has a boundary, or their first 20
         Dirichlet eigenvalues.
     model : path, optional
@@ -119,9 +122,53 @@ def union_spectrum(
     True
     """
     union, spectra, pieces, ood_score = _catamaran.union_spectrum(
-        list(parts), model, weld, callback(progress)
+        listed(parts), model, weld, callback(progress)
     )
+    warn_of_parts(pieces)
+    return UnionSpectrum(union, spectra, ood_score)
+
+
+def listed(parts: Sequence[Any]) -> List[Any]:
+    """Return parts as the extension takes them."""
+    return [mesh_arrays(part) or part for part in parts]
+
+
+def warn_of_parts(pieces: Sequence[Optional[Tuple[int, int, int, int]]]) -> None:
+    """Warn of parts of several components, and with vertices in no face."""
     for i, of_part in enumerate(pieces):
         if of_part is not None:
             warn_of_pieces(of_part, dirichlet=False, shifted=False, name=f"part {i}")
-    return UnionSpectrum(union, spectra, ood_score)
+
+
+def locate_union(
+    parts: Sequence[Any],
+    template: Any,
+    *,
+    model: Union[str, os.PathLike[str], None] = None,
+    weld: bool = False,
+    threads: Optional[int] = None,
+    progress: Progress = None,
+) -> NDArray[np.float64]:
+    """Find where the union of parts of a human is on the template of the network.
+
+    Parameters
+    ----------
+    parts, model, weld
+        As in `union_spectrum`.
+    template : (v, f), or a mesh
+        The mesh that ``catamaran unions template`` writes. Another one is a ValueError.
+    threads, progress
+        As in `ata`.
+
+    Returns
+    -------
+    ndarray, a number for each vertex of the template
+        About 1 inside of the union and 0 outside; the union is what is above 1/2. Mirror images
+        have the same spectrum: it is one of the two.
+    """
+    v, f = mesh_arrays(template) or template
+    inside, pieces = _catamaran.locate_union(
+        listed(parts), v, f, model, weld, threads, callback(progress)
+    )
+    warn_of_parts(pieces)
+    return inside

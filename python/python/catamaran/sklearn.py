@@ -24,8 +24,9 @@ from sklearn.base import (
 from sklearn.utils.validation import _check_sample_weight, check_is_fitted, validate_data
 
 from ._distribution import require_own
-from ._gram import lstsq, pca
+from ._gram import PrincipalComponents, lstsq, pca
 from ._options import to_nearest
+from ._products import Accumulator
 
 require_own()
 
@@ -33,9 +34,14 @@ __all__ = ["LinearRegression", "PCA", "Ridge"]
 
 FLOATS = [np.float64, np.float32]
 
+#: Rows that are centred at once.
+BLOCK = 4096
+
 
 class PCA(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimator):
     """Principal components, from one pass over the rows in extended precision.
+
+    `partial_fit` takes the rows in batches and sums in float64. No method copies the rows.
 
     Parameters
     ----------
@@ -73,6 +79,27 @@ class PCA(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimator):
             whiten=self.whiten,
             threads=self.threads,
         )
+        self._sums: Optional[Accumulator] = None
+        return self._set(found, X.shape[0])
+
+    def partial_fit(self, X: Any, y: Any = None) -> PCA:
+        """Fit to the rows of X and those of the calls before."""
+        sums: Optional[Accumulator] = getattr(self, "_sums", None)
+        X = validate_data(self, X, dtype=FLOATS, reset=sums is None)
+        if sums is None:
+            sums = self._sums = Accumulator(X.shape[1], center=True)
+        sums.add(X, threads=self.threads)
+        if sums.rows < 2:
+            return self
+        found = sums.pca(
+            self.n_components,
+            standardize=self.standardize,
+            whiten=self.whiten,
+            threads=self.threads,
+        )
+        return self._set(found, sums.rows)
+
+    def _set(self, found: PrincipalComponents, rows: int) -> PCA:
         self.components_ = found.components
         self.explained_variance_ = found.explained_variance
         self.explained_variance_ratio_ = found.explained_variance_ratio
@@ -80,30 +107,69 @@ class PCA(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimator):
         self.mean_ = found.mean
         self.scale_ = found.scale
         self.n_components_ = found.components.shape[0]
-        self.n_samples_ = X.shape[0]
+        self.n_samples_ = rows
+        shares = found.explained_variance_ratio
+        count, most = len(shares), min(rows, len(found.mean))
+        # The mean of the variances that are left, as in scikit-learn.
+        left = found.explained_variance.sum() / shares.sum() * (1 - shares.sum()) if count else 0.0
+        self.noise_variance_ = max(left, 0.0) / (most - count) if count < most else 0.0
         return self
 
     @property
     def _n_features_out(self) -> int:
         return self.components_.shape[0]
 
-    def _divisor(self) -> Any:
-        return np.sqrt(self.explained_variance_) if self.whiten else 1.0
+    def _found(self, whiten: bool) -> PrincipalComponents:
+        return PrincipalComponents(
+            self.components_,
+            self.explained_variance_,
+            self.explained_variance_ratio_,
+            self.singular_values_,
+            self.mean_,
+            self.scale_,
+            whiten,
+        )
 
-    @to_nearest
     def transform(self, X: Any) -> Any:
         """Return the scores of rows."""
         check_is_fitted(self)
         X = validate_data(self, X, dtype=FLOATS, reset=False)
-        scores = ((X - self.mean_) / self.scale_) @ self.components_.T
-        return (scores / self._divisor()).astype(X.dtype, copy=False)
+        return self._found(self.whiten).transform(X).astype(X.dtype, copy=False)
 
-    @to_nearest
     def inverse_transform(self, X: Any) -> Any:
         """Return the rows of scores."""
         check_is_fitted(self)
-        X = np.asarray(X)
-        return (X * self._divisor()) @ self.components_ * self.scale_ + self.mean_
+        return self._found(self.whiten).inverse_transform(np.asarray(X))
+
+    @to_nearest
+    def score_samples(self, X: Any) -> Any:
+        """Return the logarithm of the density of each row, for the normal distribution whose
+        variance is that of the components along them and `noise_variance_` across.
+
+        Source: M. Tipping and C. Bishop, Probabilistic principal component analysis, 1999.
+        """
+        check_is_fitted(self)
+        X = validate_data(self, X, dtype=FLOATS, reset=False)
+        n, noise = len(self.mean_), self.noise_variance_
+        variances = self.explained_variance_
+        found = np.empty(len(X))
+        for first in range(0, len(X), BLOCK):
+            block = X[first : first + BLOCK]
+            scores = self._found(False).transform(block)
+            squares = (scores**2 / variances).sum(axis=1)
+            if noise > 0:
+                centered = (block - self.mean_) / self.scale_
+                across = (centered**2).sum(axis=1) - (scores**2).sum(axis=1)
+                squares += np.maximum(across, 0.0) / noise
+            found[first : first + BLOCK] = squares
+        size = np.log(variances).sum() + 2 * np.log(self.scale_).sum() + n * np.log(2 * np.pi)
+        if noise > 0:
+            size += (n - len(variances)) * np.log(noise)
+        return -0.5 * (found + size)
+
+    def score(self, X: Any, y: Any = None) -> float:
+        """Return the mean of `score_samples`."""
+        return float(np.mean(self.score_samples(X)))
 
     def __sklearn_tags__(self) -> Any:
         tags = super().__sklearn_tags__()

@@ -1,0 +1,100 @@
+"""Distances and shortest paths on meshes."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple, Optional
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _catamaran
+from ._options import Progress, callback
+from ._surface import takes_mesh
+from ._words import DistanceMethod, Kind
+
+__all__ = ["ShortestPath", "distances", "shortest_path"]
+
+
+@takes_mesh
+def distances(
+    v: ArrayLike,
+    f: ArrayLike,
+    sources: ArrayLike,
+    *,
+    method: DistanceMethod = "heat",
+    time: float = 1.0,
+    kind: Kind = "tufted",
+    threads: Optional[int] = None,
+    progress: Progress = None,
+) -> NDArray[np.float64]:
+    """Compute the distance of each vertex from the nearest source.
+
+    Parameters
+    ----------
+    v, f : array_like, n x 3 and m x 3
+        Vertices and faces.
+    sources : array_like of vertices
+        Where distances are 0.
+    method : {"heat", "edges"}
+        Over the surface by the heat method, which is not exact, or along edges.
+    time : float
+        Of the heat method: time of the flow in units of the squared mean length of edges. A longer
+        time gives smoother distances.
+    kind : {"tufted", "intrinsic", "cotangent"}
+        Of the heat method: the triangles that heat flows on, as in `laplacian`.
+    threads, progress
+        As in `ata`.
+
+    Returns
+    -------
+    ndarray of n numbers
+        Infinite where no path leads.
+
+    Examples
+    --------
+    >>> import catamaran
+    >>> mesh = catamaran.shapes.grid(4, 4)
+    >>> catamaran.distances(mesh, [0], method="edges")[[1, 4]] * 4
+    array([1., 4.])
+    """
+    if method not in ("heat", "edges"):
+        raise ValueError(f"method: '{method}' is not one of 'heat', 'edges'")
+    return _catamaran.distances(
+        v, f, sources, method == "heat", time, kind, threads, callback(progress)
+    )
+
+
+class ShortestPath(NamedTuple):
+    """A path of `shortest_path`."""
+
+    #: Vertices along the path, both ends included; none without a path.
+    vertices: NDArray[Any]
+    #: Their positions.
+    points: NDArray[np.float64]
+    #: Its length; infinite without a path.
+    length: float
+
+
+@takes_mesh
+def shortest_path(v: ArrayLike, f: ArrayLike, start: int, end: int) -> ShortestPath:
+    """Find the shortest path along edges from the vertex `start` to the vertex `end`.
+
+    Parameters
+    ----------
+    v, f : array_like, n x 3 and m x 3
+        Vertices and faces.
+    start, end : int
+        Vertices.
+
+    Returns
+    -------
+    ShortestPath
+
+    Examples
+    --------
+    >>> import catamaran
+    >>> found = catamaran.shortest_path(catamaran.shapes.grid(2, 2), 0, 2)
+    >>> found.vertices, found.length
+    (array([0, 1, 2]), 1.0)
+    """
+    return ShortestPath(*_catamaran.shortest_path(v, f, [start, end]))

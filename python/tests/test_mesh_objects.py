@@ -1,0 +1,86 @@
+"""Meshes of other packages, and conversions to them."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import catamaran
+from catamaran import shapes
+
+V, F = shapes.icosphere(2)
+
+
+def of_trimesh():
+    return pytest.importorskip("trimesh").Trimesh(V, F, process=False)
+
+
+def of_meshio():
+    meshio = pytest.importorskip("meshio")
+    # Cells of no area beside the triangles, which are in two blocks.
+    cells = [("triangle", F[:100]), ("line", [[0, 1]]), ("triangle", F[100:])]
+    return meshio.Mesh(V, cells)
+
+
+def of_pyvista():
+    corners = np.full((len(F), 1), 3)
+    return SimpleNamespace(points=V, faces=np.hstack([corners, F]).ravel())
+
+
+@pytest.mark.parametrize("make", [of_trimesh, of_meshio, of_pyvista, lambda: catamaran.Mesh(V, F)])
+def test_functions_take_meshes_as_they_take_arrays(make, tmp_path):
+    mesh = make()
+    calls = [
+        lambda *m: catamaran.eigsh(*m, 5).values,
+        lambda *m: catamaran.eigsh(*m, k=5).vectors,
+        lambda *m: catamaran.laplacian(*m, kind="intrinsic").stiffness.toarray(),
+        lambda *m: catamaran.shape_dna(*m, 5),
+        lambda *m: catamaran.decimate(*m, 60).v,
+        lambda *m: catamaran.farthest_points(*m, 7),
+        lambda *m: catamaran.curve(*m, [0, 5, 9]).curves[0].points,
+        lambda *m: catamaran.eigenproducts(*m, k=3).functions,
+        lambda *m: catamaran.slime(*m, 2, agents=50, size=160).texture,
+        lambda *m: catamaran.Eigenbasis(*m, k=4).functions,
+    ]
+    for call in calls:
+        assert np.array_equal(call(mesh), call(V, F))
+    for source in (mesh, (V, F)):
+        moved = catamaran.transfer(source, mesh, V, k=4)
+        assert np.array_equal(moved, catamaran.transfer((V, F), (V, F), V, k=4))
+    catamaran.write_mesh(tmp_path / "a.off", mesh)
+    v, f = catamaran.read_mesh(tmp_path / "a.off")
+    assert np.array_equal(v, V) and np.array_equal(f, F)
+
+
+def test_parts_of_unions_may_be_meshes():
+    disk = shapes.disk(12, 40)
+    parts = [catamaran.Mesh(*disk), (disk.v * 0.8, disk.f)]
+    found = catamaran.union_spectrum(parts).parts[0]
+    assert np.array_equal(found, catamaran.union_spectrum([tuple(part) for part in parts]).parts[0])
+
+
+def test_meshes_are_given_back():
+    trimesh = pytest.importorskip("trimesh")
+    small = catamaran.decimate(V, F, 60).mesh
+    back = small.to_trimesh()
+    assert isinstance(back, trimesh.Trimesh) and back.is_watertight
+    assert np.array_equal(back.vertices, small.v) and np.array_equal(back.faces, small.f)
+    assert small.to_trimesh(face_colors=[[255, 0, 0, 255]] * len(small.f)).visual.kind == "face"
+    pytest.importorskip("meshio")
+    back = small.to_meshio(point_data={"x": small.v[:, 0]})
+    assert np.array_equal(back.points, small.v)
+    assert np.array_equal(back.cells_dict["triangle"], small.f)
+    for mesh in (shapes.torus(10, 8), catamaran.wilt(catamaran.grow_plant(20), frames=1).mesh(0)):
+        assert isinstance(mesh, catamaran.Mesh) and len(mesh) == 2
+
+
+def test_what_is_no_triangle_mesh_is_refused():
+    meshio = pytest.importorskip("meshio")
+    quads = meshio.Mesh(V, [("quad", [[0, 1, 2, 3]]), ("triangle", F)])
+    with pytest.raises(ValueError, match="mesh: cells of quad, expected triangles"):
+        catamaran.eigsh(quads, k=3)
+    quads = SimpleNamespace(points=V, faces=np.array([4, 0, 1, 2, 3, 3, 0, 1]))
+    with pytest.raises(ValueError, match="mesh: faces that are not triangles"):
+        catamaran.laplacian(quads)
+    with pytest.raises(TypeError, match="f: missing"):
+        catamaran.write_mesh("a.off", V)
