@@ -3,6 +3,8 @@
 mod absent;
 #[cfg(test)]
 mod conventions;
+mod declarations;
+mod fortran;
 mod generated;
 mod header;
 mod msrv;
@@ -16,6 +18,8 @@ use std::process::ExitCode;
 const HELP: &str = "\
 cargo xtask header            write include/catamaran.h and capi/src/absent.rs from capi/src
 cargo xtask header --check    fail if they are not what would be written
+cargo xtask fortran           write include/catamaran.f90 from include/catamaran.h
+cargo xtask fortran --check   fail if it is not what would be written
 cargo xtask notice            write NOTICE from the packages in Cargo.lock
 cargo xtask notice --check    fail if NOTICE is not what would be written
 cargo xtask options           write docs/guide/options.md from the structs of options
@@ -28,6 +32,8 @@ fn main() -> ExitCode {
     let outcome = match arguments[..] {
         ["header"] => header::HEADER.write(&root()).and(absent::ABSENT.write(&root())),
         ["header", "--check"] => header::HEADER.check(&root()).and(absent::ABSENT.check(&root())),
+        ["fortran"] => fortran::FORTRAN.write(&root()),
+        ["fortran", "--check"] => fortran::FORTRAN.check(&root()),
         ["notice"] => notice::NOTICE.write(&root()),
         ["notice", "--check"] => notice::NOTICE.check(&root()),
         ["options"] => options::OPTIONS.write(&root()),
