@@ -32,6 +32,8 @@ Sparse grid(std::ptrdiff_t side, double shift) {
     return a;
 }
 
+using catamaran::symmetric_view;
+
 template <class Work>
 double seconds(Work work) {
     const auto start = std::chrono::steady_clock::now();
@@ -46,14 +48,14 @@ int main() {
         const auto rows = static_cast<std::size_t>(a.rows());
 
         Eigen::SimplicialLDLT<Sparse> ldlt;
-        catamaran::cholesky cholesky = catamaran::cholesky::analysis(catamaran::symmetric_view(a));
+        catamaran::cholesky cholesky = catamaran::cholesky::analysis(symmetric_view(a));
         std::cout << "analysis: " << seconds([&] { ldlt.analyzePattern(a); }) << " s (Eigen), "
-                  << seconds([&] { cholesky = catamaran::cholesky::analysis(catamaran::symmetric_view(a)); })
+                  << seconds([&] { cholesky = catamaran::cholesky::analysis(symmetric_view(a)); })
                   << " s\n";
         double largest = 0;
         for (const Sparse* matrix : {&a, &other}) {
             std::cout << "factor: " << seconds([&] { ldlt.factorize(*matrix); })
-                      << " s (Eigen), " << seconds([&] { cholesky.factor(catamaran::symmetric_view(*matrix)); })
+                      << " s (Eigen), " << seconds([&] { cholesky.factor(symmetric_view(*matrix)); })
                       << " s\n";
             Eigen::MatrixXd expected, x = b;
             std::cout << "8 solutions: " << seconds([&] { expected = ldlt.solve(b); })

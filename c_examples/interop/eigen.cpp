@@ -34,7 +34,7 @@ bool meshes() {
 
     const catamaran::decimation fine(borrowed.mesh(), 500), same(copied.mesh(), 500);
     const double farthest = catamaran::map(fine.vertices()).rowwise().norm().maxCoeff();
-    std::cout << fine.faces().size() << " faces, vertices within " << farthest << " of the centre\n";
+    std::cout << fine.faces().size() << " faces, the farthest vertex at " << farthest << '\n';
     return borrowed.shares_vertices() && borrowed.shares_faces() && !copied.shares_vertices() &&
            fine.vertices() == same.vertices() && catamaran::map(fine.faces()).rows() == 996 &&
            std::abs(farthest - 1) < 0.1;

@@ -33,8 +33,9 @@ int main(int argc, char** argv) {
         const auto pairs = catamaran::eigs(borrowed.mesh(), 10);
         const auto functions = catamaran::map(pairs);
         const auto distances = catamaran::heat_method(borrowed.mesh()).distances({0});
-        std::cout << functions.rows() << " x " << functions.cols() << " eigenfunctions, the last of "
-                  << pairs.values.back() << "; distances to " << distances.back() << '\n';
+        std::cout << functions.rows() << " x " << functions.cols()
+                  << " eigenfunctions, the last of " << pairs.values.back() << "; distances to "
+                  << distances.back() << '\n';
         return borrowed.shares_vertices() && borrowed.shares_faces() ? EXIT_SUCCESS : EXIT_FAILURE;
     } catch (const catamaran::error& error) {
         std::cerr << error.what() << '\n';

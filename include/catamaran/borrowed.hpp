@@ -21,8 +21,9 @@ public:
                 own_faces ? count_of_faces : copied_faces_.size(),
                 own_faces ? own_faces : detail::first_of(copied_faces_)) {}
 
-    // Vectors that are moved keep their elements where they are.
+    /// Vectors that are moved keep their elements where they are, and views of them hold.
     borrowed_mesh(borrowed_mesh&&) = default;
+    /// As the constructor.
     borrowed_mesh& operator=(borrowed_mesh&&) = default;
 
     /// The mesh, valid as long as this, and as what it is borrowed from.

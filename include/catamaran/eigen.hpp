@@ -116,7 +116,7 @@ const T* rows_of_three(const Eigen::MatrixBase<Derived>& a, std::vector<std::arr
 
 }  // namespace detail
 
-/// The mesh V (#V x 3), F (#F x 3) of libigl, which must outlive the result. Row-major doubles, and
+/// The mesh V, F of libigl, n x 3 and m x 3, which must outlive the result. Row-major doubles, and
 /// row-major integers of 32 bits, are not copied; F has no negative numbers.
 template <class Vertices, class Faces>
 borrowed_mesh borrow(const Eigen::MatrixBase<Vertices>& v, const Eigen::MatrixBase<Faces>& f) {
