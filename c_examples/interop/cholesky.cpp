@@ -55,8 +55,8 @@ int main() {
         double largest = 0;
         for (const Sparse* matrix : {&a, &other}) {
             std::cout << "factor: " << seconds([&] { ldlt.factorize(*matrix); })
-                      << " s (Eigen), " << seconds([&] { cholesky.factor(symmetric_view(*matrix)); })
-                      << " s\n";
+                      << " s (Eigen), "
+                      << seconds([&] { cholesky.factor(symmetric_view(*matrix)); }) << " s\n";
             Eigen::MatrixXd expected, x = b;
             std::cout << "8 solutions: " << seconds([&] { expected = ldlt.solve(b); })
                       << " s (Eigen), " << seconds([&] {
