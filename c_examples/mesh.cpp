@@ -1,77 +1,60 @@
-// From a mesh file to spectra, distances and fewer vertices: reads a mesh, or makes a broken torus,
-// repairs it, and writes it with fewer vertices, coloured by the distance from one of them.
+// From a mesh file to spectra, distances and fewer vertices: repairs a mesh, or a broken torus, and
+// writes OUTPUT.csv (the distance from a vertex and eigenfunctions, a line for each vertex) and
+// OUTPUT.ply (a quarter of the vertices).
 //
-//     mesh [INPUT [OUTPUT]]
+//     mesh [OUTPUT [INPUT]]
 
 #include <catamaran.hpp>
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
-
-namespace {
+#include <fstream>
 
 // A torus whose triangles share no vertex.
 catamaran::mesh_file torus() {
-    std::vector<std::array<double, 3>> vertices;
-    std::vector<std::array<std::uint32_t, 3>> faces;
-    const auto corner = [&](int i, int j) {
-        const double u = 6.283185307179586 * (i % 60) / 60, v = 6.283185307179586 * (j % 30) / 30;
-        vertices.push_back({{(2 + std::cos(v)) * std::cos(u), (2 + std::cos(v)) * std::sin(u),
-                             std::sin(v)}});
-        return static_cast<std::uint32_t>(vertices.size() - 1);
-    };
-    for (int i = 0; i < 60; ++i) {
-        for (int j = 0; j < 30; ++j) {
-            const std::uint32_t a = corner(i, j), b = corner(i + 1, j), c = corner(i + 1, j + 1);
-            const std::uint32_t d = corner(i, j), e = corner(i + 1, j + 1), f = corner(i, j + 1);
-            faces.push_back({{a, b, c}});
-            faces.push_back({{d, e, f}});
+    const std::uint32_t along[2][3] = {{0, 1, 1}, {0, 1, 0}}, around[2][3] = {{0, 0, 1}, {0, 1, 1}};
+    catamaran::point_list vertices;
+    catamaran::triangle_list faces;
+    for (std::uint32_t k = 0; k < 2 * 60 * 30; ++k) {
+        for (std::uint32_t c = 0; c < 3; ++c) {
+            const double u = std::acos(-1.0) / 30 * ((k / 2 + along[k % 2][c]) % 60);
+            const double v = std::acos(-1.0) / 15 * ((k / 120 + around[k % 2][c]) % 30);
+            const double r = 2 + std::cos(v);
+            vertices.push_back({{r * std::cos(u), r * std::sin(u), std::sin(v)}});
         }
+        faces.push_back({{3 * k, 3 * k + 1, 3 * k + 2}});
     }
-    return catamaran::mesh_file(catamaran::mesh_view{vertices, faces});
+    return catamaran::mesh_file(catamaran::mesh_view(vertices, faces));
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-    try {
-        const auto input = argc > 1 ? catamaran::mesh_file::read(argv[1]) : torus();
-        catamaran::repair_options steps;
-        steps.everything = true;
-        steps.fill_holes = 30;
-        const auto repaired = catamaran::repair(input, steps);
-        for (const auto& step : repaired.steps) {
-            std::printf("%s\n", step.text.c_str());
+int main(int argc, char** argv) try {
+    const auto input = argc > 2 ? catamaran::mesh_file::read(argv[2]) : torus();
+    catamaran::repair_options steps;
+    steps.everything = true;
+    steps.fill_holes = 30;
+    const auto repaired = catamaran::repair(input, steps);
+    for (const auto& step : repaired.steps) std::printf("%s\n", step.text.c_str());
+    const catamaran::mesh_view mesh = repaired.file.mesh();
+    const auto pairs = catamaran::eigs(mesh, 50);
+    const auto distances = catamaran::heat_method(mesh).distances({mesh.faces[0]});
+    const catamaran::decimation small(mesh, mesh.n_vertices / 4);
+    std::printf("%zu vertices, %zu of them kept; the last of 50 eigenvalues is %.6g\n",
+                mesh.n_vertices, small.vertices().size(), pairs.values.back());
+    if (argc > 1) {
+        const std::string output = argv[1];
+        std::ofstream table(output + ".csv");
+        table.precision(17);
+        const auto functions = pairs.matrix();
+        for (std::size_t v = 0; v < functions.rows; ++v) {
+            table << distances[v];
+            for (std::size_t j = 0; j < functions.cols; ++j) table << ',' << functions(v, j);
+            table << '\n';
         }
-        const catamaran::mesh_view mesh = repaired.file.mesh();
-        const auto pairs = catamaran::eigs(mesh, std::min<std::size_t>(50, mesh.n_vertices / 2));
-        std::printf("%zu eigenvalues, the last is %.4g\n", pairs.values.size(),
-                    pairs.values.back());
-        auto distances = catamaran::heat_method(mesh).distances({mesh.faces[0]});
-        double farthest = 0.0;
-        for (double& distance : distances) {
-            distance = std::isfinite(distance) ? distance : 0.0;
-            farthest = std::max(farthest, distance);
-        }
-        std::printf("the farthest vertex is %.4g away\n", farthest);
-
-        const catamaran::decimation small(mesh, mesh.n_vertices / 4);
-        catamaran::mesh_file output(small.mesh());
-        std::vector<std::array<double, 4>> colors;
-        for (const double distance : small.carry(distances)) {
-            const double red = farthest > 0.0 ? distance / farthest : 0.0;
-            colors.push_back({{red, 0.5, 1.0 - red, 1.0}});
-        }
-        output.set_colors(colors);
-        const auto bytes = output.write(catamaran::mesh_format::ply);
-        std::printf("%zu vertices, %zu bytes\n", output.vertices().size(), bytes.size());
-        if (argc > 2) {
-            output.write(argv[2]);
-        }
-    } catch (const catamaran::error& error) {
-        std::fprintf(stderr, "%s\n", error.what());
-        return 1;
+        catamaran::mesh_file(small.mesh()).write(output + ".ply");
+        if (!table.flush()) throw std::runtime_error(output + ".csv: not written");
     }
     return 0;
+} catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
 }

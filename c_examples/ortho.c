@@ -22,7 +22,7 @@ int main(void)
     }
     /* The midpoint rule; the columns are 1, x, ..., x^7, and one that depends on two of them. */
     for (int i = 0; i < POINTS; i++) {
-        const double x = -1.0 + (2.0 * i + 1.0) / POINTS;
+        const double x = -1.0 + (2.0 * (double)i + 1.0) / POINTS;
         masses[i] = 2.0 / POINTS;
         for (int j = 0; j < COLUMNS - 1; j++) {
             a[i + j * POINTS] = q[i + j * POINTS] = pow(x, j);
@@ -40,14 +40,14 @@ int main(void)
         for (size_t j = 0; j < rank; j++) {
             for (size_t k = 0; k <= j; k++) {
                 double sum = j == k ? -1.0 : 0.0;
-                for (int i = 0; i < POINTS; i++) {
+                for (size_t i = 0; i < POINTS; i++) {
                     sum += q[i + j * POINTS] * masses[i] * q[i + k * POINTS];
                 }
                 defect = fmax(defect, fabs(sum));
             }
         }
-        for (int i = 0; i < POINTS; i++) {
-            for (int j = 0; j < COLUMNS; j++) {
+        for (size_t i = 0; i < POINTS; i++) {
+            for (size_t j = 0; j < COLUMNS; j++) {
                 double sum = -a[i + j * POINTS];
                 for (size_t k = 0; k < rank; k++) {
                     sum += q[i + k * POINTS] * r[k + j * COLUMNS];
@@ -55,7 +55,7 @@ int main(void)
                 gap = fmax(gap, fabs(sum));
             }
             /* Legendre's second polynomial, of length 1. */
-            const double x = -1.0 + (2.0 * i + 1.0) / POINTS;
+            const double x = -1.0 + (2.0 * (double)i + 1.0) / POINTS;
             const double p2 = sqrt(2.5) * 0.5 * (3.0 * x * x - 1.0);
             legendre = fmax(legendre, fabs(q[i + 2 * POINTS] - p2));
         }

@@ -39,13 +39,14 @@ int main(int argc, char** argv) try {
     const double hour = 3600.0, loss = 100.0 / 3.6e6;
     const catamaran::plant plant = catamaran::plant::grow(600, 1);
     const std::vector<catamaran::plant_interval> day{{16 * hour, loss}, {8 * hour, loss / 12}};
-    const auto drought = plant.wilt({0.0, 24 * hour, 48 * hour, 96 * hour}, day);
+    const std::vector<double> times{0.0, 24 * hour, 48 * hour, 96 * hour};
+    const auto drought = plant.wilt(times, day);
     for (std::size_t i = 0; i < drought.water.size(); ++i) {
         double water = 0.0;
         for (double kg : drought.water[i]) {
             water += kg;
         }
-        std::printf("%3.0f h: %.2f g of water, %.1f mm high in the mean\n", i < 3 ? 24.0 * i : 96.0,
+        std::printf("%3.0f h: %.2f g of water, %.1f mm high in the mean\n", times[i] / hour,
                     1e3 * water, 1e3 * height(drought.tails[i]));
     }
 

@@ -1,7 +1,7 @@
 # What is installed where: the components runtime, development and debug, the package files of CMake
 # and pkg-config.
 
-install(FILES include/catamaran.h include/catamaran.hpp
+install(FILES include/catamaran.h include/catamaran.hpp include/catamaran.f90
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
 install(DIRECTORY include/catamaran
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development FILES_MATCHING PATTERN "*.hpp")

@@ -5,6 +5,10 @@
 #ifndef CATAMARAN_HPP
 #define CATAMARAN_HPP
 
+#if __cplusplus < 201703L
+#error "catamaran.hpp needs C++17: compile with -std=c++17 or later"
+#else
+
 #include "catamaran/core.hpp"
 #include "catamaran/backend.hpp"
 #include "catamaran/ata.hpp"
@@ -26,5 +30,7 @@
 #include "catamaran/slime.hpp"
 #include "catamaran/newton.hpp"
 #include "catamaran/devices.hpp"
+
+#endif
 
 #endif

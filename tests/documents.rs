@@ -166,7 +166,7 @@ fn files_that_documents_name_exist() {
 
 #[test]
 fn functions_that_documents_name_exist() {
-    let header = sources(&["include"], &["h", "hpp"]);
+    let header = sources(&["include"], &["h", "hpp", "f90"]);
     let of_c: HashSet<&str> = words(&header).collect();
     let code = [
         "src",

@@ -1,6 +1,6 @@
 // Solutions with a sparse symmetric matrix of Eigen, without a copy of it, beside Eigen's own.
 
-#include <catamaran.hpp>
+#include <catamaran/eigen.hpp>
 
 #include <Eigen/Sparse>
 
@@ -11,18 +11,7 @@
 #include <vector>
 
 // Indices as wide as those of the library.
-using Sparse = Eigen::SparseMatrix<double, Eigen::ColMajor, std::ptrdiff_t>;
-
-// The matrix by rows, which a symmetric one by columns is too. It must be compressed, and outlive
-// the view.
-catamaran::sparse_view view(const Sparse& a) {
-    // Signed and unsigned integers of one width may stand for each other.
-    const auto indices = [](const std::ptrdiff_t* first) {
-        return reinterpret_cast<const std::size_t*>(first);
-    };
-    return {static_cast<std::size_t>(a.rows()), indices(a.outerIndexPtr()),
-            indices(a.innerIndexPtr()), a.valuePtr()};
-}
+using Sparse = catamaran::wide_sparse<Eigen::ColMajor>;
 
 // The Laplacian of a square grid, plus a small multiple of the identity.
 Sparse grid(std::ptrdiff_t side, double shift) {
@@ -43,6 +32,8 @@ Sparse grid(std::ptrdiff_t side, double shift) {
     return a;
 }
 
+using catamaran::symmetric_view;
+
 template <class Work>
 double seconds(Work work) {
     const auto start = std::chrono::steady_clock::now();
@@ -57,15 +48,15 @@ int main() {
         const auto rows = static_cast<std::size_t>(a.rows());
 
         Eigen::SimplicialLDLT<Sparse> ldlt;
-        catamaran::cholesky cholesky = catamaran::cholesky::analysis(view(a));
+        catamaran::cholesky cholesky = catamaran::cholesky::analysis(symmetric_view(a));
         std::cout << "analysis: " << seconds([&] { ldlt.analyzePattern(a); }) << " s (Eigen), "
-                  << seconds([&] { cholesky = catamaran::cholesky::analysis(view(a)); })
+                  << seconds([&] { cholesky = catamaran::cholesky::analysis(symmetric_view(a)); })
                   << " s\n";
         double largest = 0;
         for (const Sparse* matrix : {&a, &other}) {
             std::cout << "factor: " << seconds([&] { ldlt.factorize(*matrix); })
-                      << " s (Eigen), " << seconds([&] { cholesky.factor(view(*matrix)); })
-                      << " s\n";
+                      << " s (Eigen), "
+                      << seconds([&] { cholesky.factor(symmetric_view(*matrix)); }) << " s\n";
             Eigen::MatrixXd expected, x = b;
             std::cout << "8 solutions: " << seconds([&] { expected = ldlt.solve(b); })
                       << " s (Eigen), " << seconds([&] {

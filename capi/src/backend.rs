@@ -18,8 +18,6 @@ use std::sync::Arc;
 use super::boundary::{boundary, path};
 use super::pointer::{free, output};
 #[cfg(not(feature = "openblas"))]
-use super::status::CATA_ERR_UNSUPPORTED;
-#[cfg(not(feature = "openblas"))]
 use super::status::Failure;
 use super::status::cata_status;
 use catamaran::blas::{self, Backend};
@@ -78,7 +76,7 @@ pub unsafe extern "C" fn cata_backend_openblas(backend: *mut *mut cata_backend) 
         #[cfg(not(feature = "openblas"))]
         {
             let _ = backend;
-            Err(Failure::new(CATA_ERR_UNSUPPORTED, "built without the feature openblas"))
+            Err(Failure::absent("openblas"))
         }
     })
 }

@@ -17,8 +17,6 @@ use std::ffi::c_char;
 use super::boundary::{boundary, text};
 use super::outputs::write_text;
 use super::pointer::{output, slice_mut};
-#[cfg(not(feature = "opencl"))]
-use super::status::CATA_ERR_UNSUPPORTED;
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 #[cfg(feature = "opencl")]
 pub(super) use catamaran_simulation::opencl::Device;
@@ -126,10 +124,12 @@ fn open(selector: &str) -> Result<Device, Failure> {
 
 #[cfg(not(feature = "opencl"))]
 fn all() -> Result<Vec<(String, i32)>, Failure> {
-    Err(Failure::new(CATA_ERR_UNSUPPORTED, "built without the feature opencl"))
+    Err(Failure::absent("opencl"))
 }
 
 #[cfg(not(feature = "opencl"))]
 fn open(_selector: &str) -> Result<Device, Failure> {
-    Err(Failure::new(CATA_ERR_UNSUPPORTED, "params.device: built without the feature opencl"))
+    let mut failure = Failure::absent("opencl");
+    failure.message.insert_str(0, "params.device: ");
+    Err(failure)
 }

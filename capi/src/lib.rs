@@ -207,7 +207,8 @@ mod tests {
         assert_eq!(status, super::CATA_ERR_UNSUPPORTED);
         // SAFETY: NUL-terminated, and no call of this thread fails before it is read.
         let message = unsafe { CStr::from_ptr(super::cata_last_error_message()) };
-        assert_eq!(message, c"built without the feature chapters");
+        let expected = c"built without the feature chapters (CMake: CATAMARAN_CHAPTERS=ON)";
+        assert_eq!(message, expected);
         assert_eq!(super::cata_capabilities() & super::CATA_CAP_CHAPTERS, 0);
     }
 }

@@ -105,6 +105,14 @@ impl Failure {
     pub(super) fn null(what: &str) -> Self {
         Self::new(CATA_ERR_NULL, format!("{what}: must not be NULL"))
     }
+
+    /// The failure of a call that needs a feature, with the option of CMake that builds it in.
+    #[cfg(not(all(feature = "mpi", feature = "openblas", feature = "opencl")))]
+    pub(super) fn absent(feature: &str) -> Self {
+        let option = feature.to_uppercase();
+        let why = format!("built without the feature {feature} (CMake: CATAMARAN_{option}=ON)");
+        Self::new(CATA_ERR_UNSUPPORTED, why)
+    }
 }
 
 impl From<Error> for Failure {

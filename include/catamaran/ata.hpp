@@ -29,10 +29,8 @@ struct options {
     /// Null: the built-in one. Must outlive the call.
     const catamaran::backend* backend = nullptr;
     /// Told the fraction done; returns whether to go on. It is called from any thread that works
-    /// for
-    /// the call, one call at a time, each after the one before it has returned. It may be slow, and
-    /// may
-    /// call this library. What it throws stops the work and comes out of the call.
+    /// for the call, one call at a time, each after the one before it has returned. It may be slow,
+    /// and may call this library. What it throws stops the work and comes out of the call.
     std::function<bool(double)> progress;
 };
 
@@ -64,8 +62,9 @@ private:
 };
 
 template <class T>
-void require_square(matrix_view<T> c, std::size_t n, layout order) {
-    require(c.rows == n && c.cols == n, CATA_ERR_SHAPE, "c: must be square, of the columns of a");
+void require_square(matrix_view<T> c, std::size_t n, layout order,
+                    const char* wanted = "c: must be square, of the columns of a") {
+    require(c.rows == n && c.cols == n, CATA_ERR_SHAPE, wanted);
     require(c.order == order, CATA_ERR_ARGUMENT, "c: must have the layout of a");
 }
 
@@ -84,18 +83,13 @@ void require_general(matrix_view<const T> a, matrix_view<const T> b, matrix_view
 template <class T>
 void ata(detail::identity_t<T> alpha, matrix_view<const T> a, detail::identity_t<T> beta,
          matrix_view<T> c, uplo part = uplo::both, const options& how = {}) {
-    detail::require_scalar<T>();
     detail::require_square(c, a.cols, a.order);
     detail::call call(how);
     const auto order = static_cast<std::int32_t>(a.order);
     const auto triangle = static_cast<std::int32_t>(part);
-    if constexpr (std::is_same<T, double>::value) {
-        call.finish(cata_ata_f64(order, triangle, a.rows, a.cols, alpha, a.data, a.leading, beta,
-                                 c.data, c.leading, call.params()));
-    } else {
-        call.finish(cata_ata_f32(order, triangle, a.rows, a.cols, alpha, a.data, a.leading, beta,
-                                 c.data, c.leading, call.params()));
-    }
+    const auto product = detail::of_scalar<T>(cata_ata_f64, cata_ata_f32);
+    call.finish(product(order, triangle, a.rows, a.cols, alpha, a.data, a.leading, beta, c.data,
+                        c.leading, call.params()));
 }
 
 template <class T>
@@ -104,15 +98,104 @@ void ata(detail::identity_t<T> alpha, matrix_view<T> a, detail::identity_t<T> be
     ata<T>(alpha, matrix_view<const T>(a), beta, c, part, how);
 }
 
+/// C := alpha A A^T + beta C. A is m x n, C is m x m, in the same layout: cata_aat_f64.
+template <class T>
+void aat(detail::identity_t<T> alpha, matrix_view<const T> a, detail::identity_t<T> beta,
+         matrix_view<T> c, uplo part = uplo::both, const options& how = {}) {
+    detail::require_square(c, a.rows, a.order, "c: must be square, of the rows of a");
+    detail::call call(how);
+    const auto product = detail::of_scalar<T>(cata_aat_f64, cata_aat_f32);
+    call.finish(product(static_cast<std::int32_t>(a.order), static_cast<std::int32_t>(part),
+                        a.rows, a.cols, alpha, a.data, a.leading, beta, c.data, c.leading,
+                        call.params()));
+}
+
+template <class T>
+void aat(detail::identity_t<T> alpha, matrix_view<T> a, detail::identity_t<T> beta,
+         matrix_view<T> c, uplo part = uplo::both, const options& how = {}) {
+    aat<T>(alpha, matrix_view<const T>(a), beta, c, part, how);
+}
+
+namespace detail {
+
+/// Room for an n x n matrix without gaps.
+template <class T>
+std::vector<T> square(std::size_t n) {
+    require(n == 0 || n <= std::numeric_limits<std::size_t>::max() / n, CATA_ERR_SHAPE,
+            "a: the product exceeds the address space");
+    return std::vector<T>(n * n);
+}
+
+}  // namespace detail
+
 /// A^T A, n x n without gaps, in the layout of A; both triangles.
 template <class T>
 std::vector<std::remove_const_t<T>> ata(matrix_view<T> a, const options& how = {}) {
     using S = std::remove_const_t<T>;
-    detail::require(a.cols == 0 || a.cols <= std::numeric_limits<std::size_t>::max() / a.cols,
-                    CATA_ERR_SHAPE, "a: the product exceeds the address space");
-    std::vector<S> c(a.cols * a.cols);
+    std::vector<S> c = detail::square<S>(a.cols);
     const matrix_view<S> view{c.data(), a.cols, a.cols, a.cols ? a.cols : 1, a.order};
     ata<S>(S(1), matrix_view<const S>(a), S(0), view, uplo::both, how);
+    return c;
+}
+
+/// A A^T, m x m without gaps, in the layout of A; both triangles.
+template <class T>
+std::vector<std::remove_const_t<T>> aat(matrix_view<T> a, const options& how = {}) {
+    using S = std::remove_const_t<T>;
+    std::vector<S> c = detail::square<S>(a.rows);
+    const matrix_view<S> view{c.data(), a.rows, a.rows, a.rows ? a.rows : 1, a.order};
+    aat<S>(S(1), matrix_view<const S>(a), S(0), view, uplo::both, how);
+    return c;
+}
+
+/// What is subtracted from the rows of a matrix.
+enum class centering : std::int32_t {
+    none = CATA_CENTER_NONE,
+    mean = CATA_CENTER_MEAN,
+    given = CATA_CENTER_GIVEN,
+};
+
+/// Which rows a product is of: those of A, with weights, less their mean or a given row.
+template <class T>
+struct row_options {
+    /// One for each row of A; none: all 1.
+    std::vector<T> weights;
+    /// What is subtracted.
+    catamaran::centering centering = centering::none;
+    /// With centering::given: one for each column of A.
+    std::vector<T> center;
+};
+
+/// C := alpha X^T W X + beta C of the rows X of A, which are read in blocks. C is n x n, in the
+/// layout of A: cata_ata_rows_f64.
+template <class T>
+void ata_rows(detail::identity_t<T> alpha, matrix_view<const T> a,
+              const row_options<detail::identity_t<T>>& rows, detail::identity_t<T> beta,
+              matrix_view<T> c, uplo part = uplo::both, const options& how = {}) {
+    detail::require_square(c, a.cols, a.order);
+    detail::require(rows.weights.empty() || rows.weights.size() == a.rows, CATA_ERR_SHAPE,
+                    "weights: must be as many as rows, or none for all 1");
+    detail::require(rows.centering != centering::given || rows.center.size() == a.cols,
+                    CATA_ERR_SHAPE, "center: must have an element for each column of a");
+    detail::call call(how);
+    const auto product = detail::of_scalar<T>(cata_ata_rows_f64, cata_ata_rows_f32);
+    call.finish(product(static_cast<std::int32_t>(a.order), static_cast<std::int32_t>(part),
+                        a.rows, a.cols, alpha, a.data, a.leading,
+                        rows.weights.empty() ? nullptr : rows.weights.data(),
+                        static_cast<std::int32_t>(rows.centering), rows.center.data(), beta,
+                        c.data, c.leading, call.params()));
+}
+
+/// alpha X^T W X, n x n without gaps, in the layout of A; both triangles.
+template <class T>
+std::vector<std::remove_const_t<T>> ata_rows(matrix_view<T> a,
+                                             const row_options<std::remove_const_t<T>>& rows,
+                                             std::remove_const_t<T> alpha = 1,
+                                             const options& how = {}) {
+    using S = std::remove_const_t<T>;
+    std::vector<S> c = detail::square<S>(a.cols);
+    const matrix_view<S> view{c.data(), a.cols, a.cols, a.cols ? a.cols : 1, a.order};
+    ata_rows<S>(alpha, matrix_view<const S>(a), rows, S(0), view, uplo::both, how);
     return c;
 }
 
@@ -120,17 +203,12 @@ std::vector<std::remove_const_t<T>> ata(matrix_view<T> a, const options& how = {
 template <class T>
 void atb(detail::identity_t<T> alpha, matrix_view<const T> a, matrix_view<const T> b,
          detail::identity_t<T> beta, matrix_view<T> c, const options& how = {}) {
-    detail::require_scalar<T>();
     detail::require_general(a, b, c);
     detail::call call(how);
     const auto order = static_cast<std::int32_t>(a.order);
-    if constexpr (std::is_same<T, double>::value) {
-        call.finish(cata_atb_f64(order, a.rows, a.cols, b.cols, alpha, a.data, a.leading, b.data,
-                                 b.leading, beta, c.data, c.leading, call.params()));
-    } else {
-        call.finish(cata_atb_f32(order, a.rows, a.cols, b.cols, alpha, a.data, a.leading, b.data,
-                                 b.leading, beta, c.data, c.leading, call.params()));
-    }
+    const auto product = detail::of_scalar<T>(cata_atb_f64, cata_atb_f32);
+    call.finish(product(order, a.rows, a.cols, b.cols, alpha, a.data, a.leading, b.data, b.leading,
+                        beta, c.data, c.leading, call.params()));
 }
 
 template <class T>
@@ -145,20 +223,15 @@ template <class T>
 void aha(detail::identity_t<T> alpha, matrix_view<const std::complex<T>> a,
          detail::identity_t<T> beta, matrix_view<std::complex<T>> c, uplo part = uplo::both,
          const options& how = {}) {
-    detail::require_scalar<T>();
     detail::require_square(c, a.cols, a.order);
     detail::call call(how);
     const auto order = static_cast<std::int32_t>(a.order);
     const auto triangle = static_cast<std::int32_t>(part);
     const auto* from = reinterpret_cast<const T*>(a.data);
     auto* to = reinterpret_cast<T*>(c.data);
-    if constexpr (std::is_same<T, double>::value) {
-        call.finish(cata_aha_c64(order, triangle, a.rows, a.cols, alpha, from, a.leading, beta, to,
-                                 c.leading, call.params()));
-    } else {
-        call.finish(cata_aha_c32(order, triangle, a.rows, a.cols, alpha, from, a.leading, beta, to,
-                                 c.leading, call.params()));
-    }
+    const auto product = detail::of_scalar<T>(cata_aha_c64, cata_aha_c32);
+    call.finish(product(order, triangle, a.rows, a.cols, alpha, from, a.leading, beta, to,
+                        c.leading, call.params()));
 }
 
 template <class T>
@@ -172,7 +245,6 @@ template <class T>
 void ahb(detail::identity_t<std::complex<T>> alpha, matrix_view<const std::complex<T>> a,
          matrix_view<const std::complex<T>> b, detail::identity_t<std::complex<T>> beta,
          matrix_view<std::complex<T>> c, const options& how = {}) {
-    detail::require_scalar<T>();
     detail::require_general(a, b, c);
     detail::call call(how);
     const auto order = static_cast<std::int32_t>(a.order);
@@ -181,13 +253,9 @@ void ahb(detail::identity_t<std::complex<T>> alpha, matrix_view<const std::compl
     const auto* left = reinterpret_cast<const T*>(a.data);
     const auto* right = reinterpret_cast<const T*>(b.data);
     auto* to = reinterpret_cast<T*>(c.data);
-    if constexpr (std::is_same<T, double>::value) {
-        call.finish(cata_ahb_c64(order, a.rows, a.cols, b.cols, factor, left, a.leading, right,
-                                 b.leading, kept, to, c.leading, call.params()));
-    } else {
-        call.finish(cata_ahb_c32(order, a.rows, a.cols, b.cols, factor, left, a.leading, right,
-                                 b.leading, kept, to, c.leading, call.params()));
-    }
+    const auto product = detail::of_scalar<T>(cata_ahb_c64, cata_ahb_c32);
+    call.finish(product(order, a.rows, a.cols, b.cols, factor, left, a.leading, right, b.leading,
+                        kept, to, c.leading, call.params()));
 }
 
 template <class T>
@@ -213,21 +281,14 @@ struct verification {
 template <class T>
 verification verify(double alpha, matrix_view<const T> a, matrix_view<const T> c,
                     uplo part = uplo::both, int rounds = 20, std::uint64_t seed = 1) {
-    detail::require_scalar<T>();
     detail::require_square(c, a.cols, a.order);
     const auto order = static_cast<std::int32_t>(a.order);
     const auto triangle = static_cast<std::int32_t>(part);
     std::int32_t passed = 0;
     verification found{};
-    if constexpr (std::is_same<T, double>::value) {
-        detail::check(cata_verify_f64(order, triangle, a.rows, a.cols, alpha, a.data, a.leading,
-                                      c.data, c.leading, rounds, seed, &passed, &found.residual,
-                                      &found.tolerance));
-    } else {
-        detail::check(cata_verify_f32(order, triangle, a.rows, a.cols, alpha, a.data, a.leading,
-                                      c.data, c.leading, rounds, seed, &passed, &found.residual,
-                                      &found.tolerance));
-    }
+    const auto check = detail::of_scalar<T>(cata_verify_f64, cata_verify_f32);
+    detail::check(check(order, triangle, a.rows, a.cols, alpha, a.data, a.leading, c.data,
+                        c.leading, rounds, seed, &passed, &found.residual, &found.tolerance));
     found.passed = passed != 0;
     return found;
 }

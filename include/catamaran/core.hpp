@@ -87,20 +87,27 @@ matrix_view<T> col_major(T* data, std::size_t rows, std::size_t cols, std::size_
     return {data, rows, cols, leading ? leading : (rows ? rows : 1), layout::col_major};
 }
 
+/// x, y, z of points.
+using point_list = std::vector<std::array<double, 3>>;
+/// Three vertices of each triangle.
+using triangle_list = std::vector<std::array<std::uint32_t, 3>>;
+
 /// A triangle mesh that somebody else owns.
 struct mesh_view {
-    /// Of arrays of corners.
-    mesh_view(const std::vector<std::array<double, 3>>& vertices,
-              const std::vector<std::array<std::uint32_t, 3>>& faces)
-        : n_vertices(vertices.size()),
-          vertices(vertices.empty() ? nullptr : vertices.front().data()),
-          n_faces(faces.size()),
-          faces(faces.empty() ? nullptr : faces.front().data()) {}
+    /// Of arrays of corners, which must outlive the view.
+    mesh_view(const point_list& vertices_of, const triangle_list& faces_of) noexcept
+        : n_vertices(vertices_of.size()),
+          vertices(vertices_of.empty() ? nullptr : vertices_of.front().data()),
+          n_faces(faces_of.size()),
+          faces(faces_of.empty() ? nullptr : faces_of.front().data()) {}
+    mesh_view(const point_list&&, const triangle_list&) = delete;
+    mesh_view(const point_list&, const triangle_list&&) = delete;
+    mesh_view(const point_list&&, const triangle_list&&) = delete;
 
-    /// 3 n_vertices coordinates, and 3 n_faces numbers of vertices.
-    mesh_view(std::size_t n_vertices, const double* vertices, std::size_t n_faces,
-              const std::uint32_t* faces)
-        : n_vertices(n_vertices), vertices(vertices), n_faces(n_faces), faces(faces) {}
+    /// 3 count coordinates, and 3 count_of_faces numbers of vertices.
+    mesh_view(std::size_t count, const double* coordinates, std::size_t count_of_faces,
+              const std::uint32_t* corners) noexcept
+        : n_vertices(count), vertices(coordinates), n_faces(count_of_faces), faces(corners) {}
 
     /// Number of vertices.
     std::size_t n_vertices;
@@ -146,10 +153,18 @@ struct identity {
 template <class T>
 using identity_t = typename identity<T>::type;
 
-template <class T>
-constexpr void require_scalar() {
+/// The function of a scalar: double or float.
+template <class T, class Double, class Float>
+constexpr auto of_scalar(Double in_double, Float in_float) noexcept {
     static_assert(std::is_same<T, float>::value || std::is_same<T, double>::value,
                   "catamaran computes in float or double");
+    if constexpr (std::is_same<T, double>::value) {
+        static_cast<void>(in_float);
+        return in_double;
+    } else {
+        static_cast<void>(in_double);
+        return in_float;
+    }
 }
 
 }  // namespace detail

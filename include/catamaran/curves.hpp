@@ -48,7 +48,7 @@ struct curve {
     /// were added.
     std::vector<std::uint32_t> path;
     /// Where it goes: those of path, unless it is smooth.
-    std::vector<std::array<double, 3>> points;
+    point_list points;
     /// In the unit of the mesh.
     double length = 0.0;
 };
@@ -114,7 +114,7 @@ public:
     curve_solver(const mesh_view& mesh, const std::vector<curve_site>& sites)
         : samples_(sites.size()) {
         std::vector<std::uint32_t> faces;
-        std::vector<std::array<double, 3>> weights;
+        point_list weights;
         for (const curve_site& site : sites) {
             faces.push_back(site.face);
             weights.push_back(site.weights);

@@ -41,7 +41,7 @@ struct decimation_places {
     /// For each vertex of the result a face of the input.
     std::vector<std::uint32_t> faces;
     /// Its barycentric coordinates there.
-    std::vector<std::array<double, 3>> weights;
+    point_list weights;
 };
 
 /// Farthest points.
@@ -96,11 +96,12 @@ public:
     }
 
     /// Of the result.
-    const std::vector<std::array<double, 3>>& vertices() const noexcept { return vertices_; }
+    const point_list& vertices() const noexcept { return vertices_; }
     /// Of the result.
-    const std::vector<std::array<std::uint32_t, 3>>& faces() const noexcept { return faces_; }
+    const triangle_list& faces() const noexcept { return faces_; }
     /// The result, valid as long as this.
-    mesh_view mesh() const { return {vertices_, faces_}; }
+    mesh_view mesh() const& { return {vertices_, faces_}; }
+    mesh_view mesh() const&& = delete;
 
     /// Whether the input had to be repaired.
     bool repaired() const noexcept { return repaired_; }
@@ -155,8 +156,8 @@ private:
     std::size_t before_vertices_;
     std::size_t before_faces_;
     std::unique_ptr<cata_decimation, free> handle_;
-    std::vector<std::array<double, 3>> vertices_;
-    std::vector<std::array<std::uint32_t, 3>> faces_;
+    point_list vertices_;
+    triangle_list faces_;
     bool repaired_ = false;
 };
 

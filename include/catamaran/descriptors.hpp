@@ -222,7 +222,7 @@ struct shape_options {
 /// A template that was deformed.
 struct shape_from_spectrum_result {
     /// Its vertices, moved.
-    std::vector<std::array<double, 3>> vertices;
+    point_list vertices;
     /// Its first eigenvalues.
     std::vector<double> eigenvalues;
     /// Their mean relative difference from those that were given.

@@ -116,7 +116,7 @@ struct mesh_path {
     /// Of the path along edges, both ends included; none: there is no path.
     std::vector<std::uint32_t> vertices;
     /// Where it goes.
-    std::vector<std::array<double, 3>> points;
+    point_list points;
     /// In the unit of the mesh; infinite without a path.
     double length = 0.0;
 };

@@ -71,9 +71,10 @@ struct eigenpairs {
     std::vector<double> masses;
 
     /// The eigenvectors, rows x values.size(), valid as long as this.
-    matrix_view<const double> matrix() const noexcept {
+    matrix_view<const double> matrix() const& noexcept {
         return col_major(vectors.data(), rows, values.size());
     }
+    matrix_view<const double> matrix() const&& = delete;
 };
 
 namespace detail {

@@ -200,9 +200,10 @@ struct functional_map {
     std::vector<std::uint32_t> points;
 
     /// The entries, valid as long as this.
-    matrix_view<const double> matrix() const noexcept {
+    matrix_view<const double> matrix() const& noexcept {
         return col_major(entries.data(), rows, cols);
     }
+    matrix_view<const double> matrix() const&& = delete;
 };
 
 /// A functional map between two bases of eigenfunctions that is being fitted. It goes on without
@@ -416,12 +417,12 @@ struct detailed_shape {
 };
 
 /// The vertices of the target with the details of the source: cata_transfer_details.
-inline std::vector<std::array<double, 3>> transfer_details(const detailed_shape& source,
+inline point_list transfer_details(const detailed_shape& source,
                                                            const detailed_shape& target,
                                                            matrix_view<const double> map,
                                                            const basis_options& how = {}) {
     detail::require_map(map, source.functions, target.functions);
-    std::vector<std::array<double, 3>> moved(target.mesh.n_vertices);
+    point_list moved(target.mesh.n_vertices);
     detail::basis_call call(how);
     call.finish(cata_transfer_details(
         source.mesh.n_vertices, source.mesh.vertices, source.mesh.n_faces, source.mesh.faces,

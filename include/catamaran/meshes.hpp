@@ -125,9 +125,9 @@ public:
     }
 
     /// The vertices.
-    const std::vector<std::array<double, 3>>& vertices() const noexcept { return vertices_; }
+    const point_list& vertices() const noexcept { return vertices_; }
     /// The faces.
-    const std::vector<std::array<std::uint32_t, 3>>& faces() const noexcept { return faces_; }
+    const triangle_list& faces() const noexcept { return faces_; }
 
     /// The mesh, valid as long as this.
     mesh_view mesh() const& { return {vertices_, faces_}; }
@@ -252,8 +252,8 @@ private:
     }
 
     std::unique_ptr<cata_mesh_file, free> handle_;
-    std::vector<std::array<double, 3>> vertices_;
-    std::vector<std::array<std::uint32_t, 3>> faces_;
+    point_list vertices_;
+    triangle_list faces_;
 };
 
 /// Which vertices are joined.

@@ -4,6 +4,10 @@
 #ifndef CATAMARAN_MPI_HPP
 #define CATAMARAN_MPI_HPP
 
+#if __cplusplus < 201703L
+#error "catamaran/mpi.hpp needs C++17: compile with -std=c++17 or later"
+#else
+
 #include "../catamaran_mpi.h"
 #include "eigs.hpp"
 
@@ -55,6 +59,50 @@ private:
     std::unique_ptr<cata_world, free> handle_;
 };
 
+namespace detail {
+
+/// The preparations of one rank for a collective call. Where they fail, the call is made all the
+/// same, with a leading dimension that it refuses, or the other ranks would wait for ever.
+class preparation {
+public:
+    /// Requires that arguments fit, and runs `work`, which allocates memory.
+    template <class Work>
+    preparation(bool fits, const char* message, const Work& work) noexcept {
+        try {
+            require(fits, CATA_ERR_SHAPE, message);
+            work();
+        } catch (...) {
+            thrown_ = std::current_exception();
+        }
+    }
+
+    /// A leading dimension for so many elements.
+    std::size_t leading(std::size_t elements) const noexcept {
+        return thrown_ ? 0 : elements ? elements : 1;
+    }
+
+    /// The diagonal of M, unless the call might read it where there is none.
+    const double* diagonal(const std::vector<double>& masses) const noexcept {
+        return thrown_ || masses.empty() ? nullptr : masses.data();
+    }
+
+    /// Throws what the preparations threw, after the call.
+    void finish() const {
+        if (thrown_) {
+            std::rethrow_exception(thrown_);
+        }
+    }
+
+private:
+    std::exception_ptr thrown_;
+};
+
+inline bool fit(const std::vector<double>& masses, std::size_t rows) noexcept {
+    return masses.empty() || masses.size() == rows;
+}
+
+}  // namespace detail
+
 /// A symmetric matrix of doubles that is spread over the ranks of a world.
 class symmetric {
 public:
@@ -71,9 +119,15 @@ public:
     /// The whole of it on one rank, row-major without gaps; nothing on the others. Collective.
     std::vector<double> gather(const world& ranks, std::size_t root = 0) const {
         const std::size_t size = n();
-        std::vector<double> whole(ranks.rank() == root ? size * size : 0);
-        detail::check(cata_symmetric_gather_f64(handle_.get(), ranks.get(), root, CATA_ROW_MAJOR,
-                                                CATA_BOTH, whole.data(), size ? size : 1));
+        std::vector<double> whole;
+        const detail::preparation own(true, "", [&] {
+            whole = ranks.rank() == root ? detail::square<double>(size) : std::vector<double>();
+        });
+        const cata_status status =
+            cata_symmetric_gather_f64(handle_.get(), ranks.get(), root, CATA_ROW_MAJOR, CATA_BOTH,
+                                      whole.data(), own.leading(size));
+        own.finish();
+        detail::check(status);
         return whole;
     }
 
@@ -87,19 +141,6 @@ private:
 
     std::unique_ptr<cata_symmetric, free> handle_;
 };
-
-namespace detail {
-
-/// What does not fit on one rank goes to the call all the same, with a leading dimension that it
-/// refuses, and without masses, which it might read first: the other ranks would wait for ever.
-inline bool fit(const std::vector<double>& masses, std::size_t rows) noexcept {
-    return masses.empty() || masses.size() == rows;
-}
-inline std::size_t or_refused(bool fits, std::size_t rows) noexcept {
-    return !fits ? 0 : rows ? rows : 1;
-}
-
-}  // namespace detail
 
 /// alpha A^T A of the rows that the ranks have. Collective: cata_world_ata_rows_f64.
 inline symmetric ata_rows(const world& ranks, matrix_view<const double> rows, double alpha = 1.0,
@@ -127,21 +168,20 @@ inline symmetric ata_columns(const world& ranks, matrix_view<const double> colum
 /// and `masses` their masses; empty: all 1. Collective: cata_world_eigs.
 inline eigenpairs eigs(const world& ranks, const sparse_view& w, std::size_t n, std::size_t k,
                        std::vector<double> masses = {}, const eigs_options& how = {}) {
-    const bool fits = detail::fit(masses, w.rows) && k <= n;
     eigenpairs pairs;
     pairs.rows = w.rows;
-    if (fits) {
-        pairs.values.resize(k);
-        pairs.vectors.resize(w.rows * k);
-        pairs.residuals.resize(k);
-    }
+    const detail::preparation own(detail::fit(masses, w.rows) && k <= n,
+                                  "masses, k: must be as many as own rows, at most n", [&] {
+                                      pairs.values.resize(k);
+                                      pairs.vectors.resize(w.rows * k);
+                                      pairs.residuals.resize(k);
+                                  });
     detail::eigs_call call(how);
     const cata_status status = cata_world_eigs(
-        ranks.get(), w.rows, n, w.row_starts, w.columns, w.entries,
-        fits && !masses.empty() ? masses.data() : nullptr, k, pairs.values.data(),
-        pairs.vectors.data(), detail::or_refused(fits, w.rows), pairs.residuals.data(),
+        ranks.get(), w.rows, n, w.row_starts, w.columns, w.entries, own.diagonal(masses), k,
+        pairs.values.data(), pairs.vectors.data(), own.leading(w.rows), pairs.residuals.data(),
         call.params());
-    detail::require(fits, CATA_ERR_SHAPE, "masses, k: must be as many as own rows, at most n");
+    own.finish();
     call.finish(status);
     pairs.masses = std::move(masses);
     return pairs;
@@ -150,16 +190,20 @@ inline eigenpairs eigs(const world& ranks, const sparse_view& w, std::size_t n, 
 /// gram_schmidt where `a` and `masses` are of own rows. Collective: cata_world_gram_schmidt.
 inline factors gram_schmidt(const world& ranks, matrix_view<double> a,
                             const std::vector<double>& masses = {}, const ortho_options& how = {}) {
-    const bool fits = detail::fit(masses, a.rows);
-    std::vector<double> r(a.cols * a.cols);
-    std::vector<std::size_t> kept(a.cols);
+    std::vector<double> r;
+    std::vector<std::size_t> kept;
+    const detail::preparation own(detail::fit(masses, a.rows),
+                                  "masses: must be as many as own rows", [&] {
+                                      r = detail::square<double>(a.cols);
+                                      kept.resize(a.cols);
+                                  });
     std::size_t rank = 0;
     detail::ortho_call call(how);
     const cata_status status = cata_world_gram_schmidt(
         ranks.get(), static_cast<std::int32_t>(a.order), a.rows, a.cols, a.data,
-        fits ? a.leading : 0, fits && !masses.empty() ? masses.data() : nullptr, r.data(),
-        a.cols ? a.cols : 1, kept.data(), &rank, call.params());
-    detail::require(fits, CATA_ERR_SHAPE, "masses: must be as many as own rows");
+        own.leading(a.leading), own.diagonal(masses), r.data(), a.cols ? a.cols : 1, kept.data(),
+        &rank, call.params());
+    own.finish();
     call.finish(status);
     return detail::factors_of(std::move(r), a.cols, a.cols, a.order, std::move(kept), rank);
 }
@@ -168,18 +212,22 @@ inline factors gram_schmidt(const world& ranks, matrix_view<double> a,
 inline std::vector<double> cholesky_qr(const world& ranks, matrix_view<double> a,
                                        const std::vector<double>& masses = {},
                                        const ortho_options& how = {}) {
-    const bool fits = detail::fit(masses, a.rows);
-    std::vector<double> r(a.cols * a.cols);
+    std::vector<double> r;
+    const detail::preparation own(detail::fit(masses, a.rows),
+                                  "masses: must be as many as own rows",
+                                  [&] { r = detail::square<double>(a.cols); });
     detail::ortho_call call(how);
     const cata_status status = cata_world_cholesky_qr(
         ranks.get(), static_cast<std::int32_t>(a.order), a.rows, a.cols, a.data,
-        fits ? a.leading : 0, fits && !masses.empty() ? masses.data() : nullptr, r.data(),
-        a.cols ? a.cols : 1, call.params());
-    detail::require(fits, CATA_ERR_SHAPE, "masses: must be as many as own rows");
+        own.leading(a.leading), own.diagonal(masses), r.data(), a.cols ? a.cols : 1,
+        call.params());
+    own.finish();
     call.finish(status);
     return r;
 }
 
 }  // namespace catamaran
+
+#endif
 
 #endif

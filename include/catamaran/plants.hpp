@@ -63,7 +63,7 @@ struct rods_options {
 /// The segments of a plant, as cata_plant_new takes them.
 struct plant_segments {
     /// x, y, z of the end of each, in m.
-    std::vector<std::array<double, 3>> tails;
+    point_list tails;
     /// In m, positive.
     std::vector<double> radii;
     /// The segment at whose end each begins; CATA_NO_PARENT for the root.
@@ -85,9 +85,9 @@ struct plant_interval {
 /// Where segments are.
 struct plant_pose {
     /// Where they begin, in m.
-    std::vector<std::array<double, 3>> heads;
+    point_list heads;
     /// Where they end, in m.
-    std::vector<std::array<double, 3>> tails;
+    point_list tails;
     /// How they have turned since the plant was given: unit quaternions (w, x, y, z).
     std::vector<std::array<double, 4>> rotations;
 };
@@ -95,9 +95,9 @@ struct plant_pose {
 /// A mesh of tubes.
 struct plant_tubes {
     /// x, y, z in m: 2 x sides for each segment, one segment after the other.
-    std::vector<std::array<double, 3>> vertices;
+    point_list vertices;
     /// Three vertices of each: 2 x sides for each segment, in the same order.
-    std::vector<std::array<std::uint32_t, 3>> faces;
+    triangle_list faces;
 };
 
 /// What became of a plant, time by time.
@@ -107,7 +107,7 @@ struct wilting {
     /// Modulus of elasticity of each segment, in Pa.
     std::vector<std::vector<double>> moduli;
     /// As plant_pose::tails.
-    std::vector<std::vector<std::array<double, 3>>> tails;
+    std::vector<point_list> tails;
     /// As plant_pose::rotations.
     std::vector<std::vector<std::array<double, 4>>> rotations;
 };
@@ -374,7 +374,7 @@ wilting plant::wilt(const std::vector<double>& times, const std::vector<plant_in
                     const rods* rods) const {
     const std::size_t n = size(), count = times.size();
     std::vector<double> water(count * n), moduli(count * n);
-    std::vector<std::array<double, 3>> tails(count * n);
+    point_list tails(count * n);
     std::vector<std::array<double, 4>> rotations(count * n);
     watcher_.finish(cata_plant_wilt(get(), rods ? rods->get() : nullptr, count, times.data(),
                                     day.size(), numbers(day), n, water.data(), moduli.data(),

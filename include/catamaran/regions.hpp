@@ -18,9 +18,9 @@ enum class region_side : std::int32_t { small = CATA_SIDE_SMALL, large = CATA_SI
 /// A mesh, and where it comes from on another one.
 struct mesh_part {
     /// Of the part.
-    std::vector<std::array<double, 3>> vertices;
+    point_list vertices;
     /// Of the part.
-    std::vector<std::array<std::uint32_t, 3>> faces;
+    triangle_list faces;
     /// For each vertex its number in the other mesh.
     std::vector<std::uint32_t> of_vertices;
     /// For each face its number in the other mesh.
@@ -172,9 +172,9 @@ public:
     }
 
     /// Of the mesh.
-    const std::vector<std::array<double, 3>>& vertices() const noexcept { return vertices_; }
+    const point_list& vertices() const noexcept { return vertices_; }
     /// Of the mesh.
-    const std::vector<std::array<std::uint32_t, 3>>& faces() const noexcept { return faces_; }
+    const triangle_list& faces() const noexcept { return faces_; }
     /// The mesh, valid as long as this.
     mesh_view mesh() const& { return {vertices_, faces_}; }
     mesh_view mesh() const&& = delete;
@@ -182,9 +182,9 @@ public:
     /// For each face the one of the drawing's mesh that contains it.
     const std::vector<std::uint32_t>& of_faces() const noexcept { return of_faces_; }
     /// For each vertex three vertices of the drawing's mesh whose weighted mean it is.
-    const std::vector<std::array<std::uint32_t, 3>>& corners() const noexcept { return corners_; }
+    const triangle_list& corners() const noexcept { return corners_; }
     /// The weights of corners().
-    const std::vector<std::array<double, 3>>& weights() const noexcept { return weights_; }
+    const point_list& weights() const noexcept { return weights_; }
     /// The edges of the curves of each layer.
     const std::vector<edge_list>& layers() const noexcept { return layers_; }
 
@@ -204,11 +204,11 @@ private:
 
     std::unique_ptr<cata_drawn, free> handle_;
     std::size_t n_faces_;
-    std::vector<std::array<double, 3>> vertices_;
-    std::vector<std::array<std::uint32_t, 3>> faces_;
+    point_list vertices_;
+    triangle_list faces_;
     std::vector<std::uint32_t> of_faces_;
-    std::vector<std::array<std::uint32_t, 3>> corners_;
-    std::vector<std::array<double, 3>> weights_;
+    triangle_list corners_;
+    point_list weights_;
     std::vector<edge_list> layers_;
 };
 

@@ -28,7 +28,7 @@ static LOCAL(number) LOCAL(dot)(int32_t layout, size_t m, const LOCAL(number) *a
 {
     LOCAL(number) sum = 0;
     for (size_t r = 0; r < m; r++) {
-        sum += conj(a[entry_at(layout, lda, r, i)]) * b[entry_at(layout, ldb, r, j)];
+        sum += (LOCAL(number))conj(a[entry_at(layout, lda, r, i)]) * b[entry_at(layout, ldb, r, j)];
     }
     return sum;
 }
@@ -54,7 +54,7 @@ static void LOCAL(test_aha)(int32_t layout, int32_t uplo, size_t m, size_t n, si
         }
         LOCAL(number) old = before[at];
         if (uplo == CATA_BOTH && i < j) {
-            old = conj(before[entry_at(layout, ldc, j, i)]);
+            old = (LOCAL(number))conj(before[entry_at(layout, ldc, j, i)]);
         }
         const LOCAL(number) right = 2 * LOCAL(dot)(layout, m, a, lda, i, a, lda, j) - 3 * old;
         wrong += creal(c[at]) != creal(right) || cimag(c[at]) != (i == j ? 0 : cimag(right));

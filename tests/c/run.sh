@@ -37,7 +37,8 @@ mpi=OFF
 if command -v mpicc > /dev/null && command -v mpirun > /dev/null; then mpi=ON; fi
 
 cargo xtask header --check
-kinds+=("header: include/catamaran.h is up to date")
+cargo xtask fortran --check
+kinds+=("header: include/catamaran.h and include/catamaran.f90 are up to date")
 kinds+=("$(tests/c/abi.py)")
 
 configure plain -DCATAMARAN_MPI=$mpi -DCATAMARAN_OPENCL=ON

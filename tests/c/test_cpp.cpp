@@ -45,6 +45,42 @@ void products() {
     CHECK(catamaran::ata(catamaran::row_major<double>(nullptr, 0, 0)).empty());
 }
 
+static_assert(!std::is_constructible<catamaran::mesh_view, catamaran::point_list,
+                                     catamaran::triangle_list>::value, "of temporaries");
+static_assert(!std::is_constructible<catamaran::mesh_view, const catamaran::point_list&,
+                                     catamaran::triangle_list>::value, "of a temporary");
+
+template <class Owner, class = void>
+struct has_matrix : std::false_type {};
+template <class Owner>
+struct has_matrix<Owner, decltype(std::declval<Owner>().matrix(), void())> : std::true_type {};
+static_assert(has_matrix<const catamaran::eigenpairs&>::value, "as long as they last");
+static_assert(!has_matrix<catamaran::eigenpairs>::value, "of temporaries");
+
+void products_of_rows() {
+    const std::vector<double> data{1, 2, 3, 4, 5, 6};
+    const auto a = catamaran::row_major(data.data(), 3, 2);
+    CHECK((catamaran::aat(a) == std::vector<double>{5, 11, 17, 11, 25, 39, 17, 39, 61}));
+    std::vector<float> f{3, 4}, c{7, 7, 7, 7};
+    const auto column = catamaran::col_major(f.data(), 2, 1);
+    catamaran::aat(1, column, 0, catamaran::col_major(c.data(), 2, 2), uplo::upper);
+    CHECK((c == std::vector<float>{9, 7, 12, 16}));
+    CHECK(status_of([&] { catamaran::aat(1, column, 0, column); }) == CATA_ERR_SHAPE);
+
+    catamaran::row_options<double> rows;
+    rows.centering = catamaran::centering::mean;
+    CHECK((catamaran::ata_rows(a, rows, 0.5) == std::vector<double>{4, 4, 4, 4}));
+    rows.weights = {1, 0, 2};
+    rows.centering = catamaran::centering::given;
+    rows.center = {1, 2};
+    CHECK((catamaran::ata_rows(a, rows) == std::vector<double>{32, 32, 32, 32}));
+    rows.center = {1};
+    CHECK(status_of([&] { catamaran::ata_rows(a, rows); }) == CATA_ERR_SHAPE);
+    rows = {};
+    rows.weights = {1};
+    CHECK(status_of([&] { catamaran::ata_rows(a, rows); }) == CATA_ERR_SHAPE);
+}
+
 void complex_products() {
     using number = std::complex<double>;
     const std::vector<number> data{{1, 2}, {0, -1}, {3, 0}, {1, 1}};
@@ -184,7 +220,8 @@ void spectra() {
     const std::vector<std::array<std::uint32_t, 3>> halves{{{0, 1, 2}}, {{0, 2, 3}}};
     const auto square = catamaran::eigs({corners, halves}, 2);
     CHECK(square.masses.size() == 4 && square.vectors.size() == 8);
-    CHECK(status_of([] { catamaran::eigs({{{{0, 0, 0}}}, {{{0, 1, 2}}}}, 1); }) == CATA_ERR_MESH);
+    const catamaran::point_list alone{{{0, 0, 0}}};
+    CHECK(status_of([&] { catamaran::eigs({alone, halves}, 1); }) == CATA_ERR_MESH);
 
     // Through eigenfunctions that span everything, any function is carried as it is.
     const auto whole = catamaran::eigs({corners, halves}, 4);
@@ -355,6 +392,7 @@ void rounding() {
 int main() {
     rounding();
     products();
+    products_of_rows();
     complex_products();
     reproducible();
     errors();

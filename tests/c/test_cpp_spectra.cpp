@@ -80,8 +80,8 @@ catamaran::eigenpairs ring(std::size_t n, bool backwards) {
     pairs.masses.assign(n, 1.0 / static_cast<double>(n));
     for (std::size_t j = 0; j < 5; ++j) {
         for (std::size_t v = 0; v < n; ++v) {
-            const double at = 2 * pi * static_cast<double>(backwards ? n - 1 - v : v) / n *
-                              static_cast<double>((j + 1) / 2);
+            const double at = 2 * pi * static_cast<double>(backwards ? n - 1 - v : v) /
+                              static_cast<double>(n) * static_cast<double>((j + 1) / 2);
             pairs.vectors.push_back(j == 0 ? 1
                                            : std::sqrt(2.0) * (j % 2 ? std::cos(at) : std::sin(at)));
         }

@@ -320,7 +320,7 @@ static void test_without_mpi(void)
     cata_symmetric *product = NULL;
     size_t n = 5;
     CHECK_STATUS(cata_world_new(0, &world), CATA_ERR_UNSUPPORTED);
-    CHECK_MESSAGE("built without the feature mpi");
+    CHECK_MESSAGE("built without the feature mpi (CMake: CATAMARAN_MPI=ON)");
     CHECK_STATUS(cata_world_rank(world, &n), CATA_ERR_UNSUPPORTED);
     CHECK_STATUS(cata_world_ata_rows_f64(world, ROW, M, N, 1.0, a, N, NULL, &product),
                  CATA_ERR_UNSUPPORTED);

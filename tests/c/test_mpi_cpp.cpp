@@ -4,9 +4,26 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdlib>
+#include <new>
 #include <vector>
 
 #include "check.hpp"
+
+namespace {
+
+// Whether the next allocation fails.
+bool out_of_memory = false;
+
+}  // namespace
+
+void* operator new(std::size_t size) {
+    void* const memory = out_of_memory ? nullptr : std::malloc(size ? size : 1);
+    out_of_memory = false;
+    return memory ? memory : throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 namespace {
 
@@ -72,6 +89,29 @@ void columns(const catamaran::world& world) {
           }) == CATA_ERR_SHAPE);
 }
 
+// One rank has no memory for its results: the others get an error, and wait for nothing.
+void memory(const catamaran::world& world) {
+    const std::size_t last = world.size() - 1;
+    const std::vector<std::size_t> starts{0, 1}, columns{world.rank()};
+    const std::vector<double> entries{1};
+    const catamaran::sparse_view identity{1, starts.data(), columns.data(), entries.data()};
+    double one = 1;
+    const auto a = catamaran::col_major(&one, 1, 1);
+    const catamaran::symmetric product = catamaran::ata_rows(world, a);
+    const auto fails = [&](const auto& call) {
+        out_of_memory = world.rank() == last;
+        try {
+            CHECK(status_of(call) == CATA_ERR_RANK && world.rank() != last);
+        } catch (const std::bad_alloc&) {
+            CHECK(world.rank() == last);
+        }
+    };
+    fails([&] { catamaran::eigs(world, identity, world.size(), 1); });
+    fails([&] { catamaran::gram_schmidt(world, a); });
+    fails([&] { catamaran::cholesky_qr(world, a); });
+    fails([&] { product.gather(world, last); });
+}
+
 }  // namespace
 
 int main(int argc, char** argv)
@@ -83,6 +123,7 @@ int main(int argc, char** argv)
         products(world);
         spectra(world);
         columns(world);
+        memory(world);
     }
     MPI_Finalize();
     return report("mpi_cpp");

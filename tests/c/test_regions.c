@@ -143,7 +143,7 @@ static void test_drawings(void)
         CHECK_STATUS(cata_drawn_get(drawn, positions, triangles, of_faces, corners, weights),
                      CATA_OK);
         for (size_t v = 0; v < n_vertices; v++) {
-            for (int axis = 0; axis < 3; axis++) {
+            for (uint32_t axis = 0; axis < 3; axis++) {
                 double mean = 0;
                 for (size_t i = 3 * v; i < 3 * v + 3; i++) {
                     mean += weights[i] * grid[3 * corners[i] + axis];

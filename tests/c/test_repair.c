@@ -16,7 +16,7 @@ enum { F = 12 };
 static const uint32_t cube[3 * F] = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
                                      2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
 
-static double place(uint32_t v, int axis)
+static double place(uint32_t v, uint32_t axis)
 {
     return (v >> axis) & 1;
 }
@@ -29,7 +29,7 @@ static cata_mesh_file *soup(size_t count)
     cata_mesh_file *file = NULL;
     for (size_t i = 0; i < 3 * count; i++) {
         faces[i] = (uint32_t)i;
-        for (int axis = 0; axis < 3; axis++) {
+        for (uint32_t axis = 0; axis < 3; axis++) {
             vertices[3 * i + axis] = place(cube[i], axis);
         }
     }
@@ -158,7 +158,7 @@ static void test_needed(void)
     int32_t needed = 9;
     char text[100];
     for (uint32_t v = 0; v < 8; v++) {
-        for (int axis = 0; axis < 3; axis++) {
+        for (uint32_t axis = 0; axis < 3; axis++) {
             vertices[3 * v + axis] = place(v, axis);
         }
     }

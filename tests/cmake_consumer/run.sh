@@ -88,6 +88,13 @@ step "it needs libcatamaran.so.$abi and symbols of version CATAMARAN_$abi"
 cc -o "$work/pc_static" "$here/main.c" $(pkg-config --cflags catamaran) \
     "$lib_dir/libcatamaran.a" $(pkg-config --static --libs catamaran | sed 's/-lcatamaran//')
 runs "pkg-config --static" "$work/pc_static"
+# Without any shared library; MPI has no static one, and what this program does not use goes.
+# shellcheck disable=SC2046
+cc -static -Wl,--gc-sections -o "$work/alone" "$here/main.c" $(pkg-config --cflags catamaran) \
+    "$lib_dir/libcatamaran.a" $(pkg-config --static --libs catamaran |
+        sed -E 's/-l(catamaran|mpi\S*)//g') > "$work/log" 2>&1 || fail "cc -static"
+if ldd "$work/alone" > "$work/log" 2>&1; then fail "cc -static needs shared libraries"; fi
+runs "cc -static" "$work/alone"
 if pkg-config --exists 'catamaran >= 9.9'; then
     echo "pkg-config accepted version 9.9" >&2
     exit 1

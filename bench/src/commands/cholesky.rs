@@ -11,7 +11,7 @@ use catamaran::sparse::{Cholesky, CholeskyOptions, CsMat, multiply};
 use catamaran_bench::child::{self, Report};
 use catamaran_bench::exchange::{get_vector, put_vector};
 use catamaran_bench::race::median;
-use catamaran_bench::{Result, host, record};
+use catamaran_bench::{Result, host, input, record};
 use catamaran_geometry::mesh::{LaplacianOptions, TriMesh, laplacian};
 
 use super::Contest;
@@ -20,10 +20,13 @@ use super::spectrum::meshes;
 /// Right-hand sides.
 const RIGHT: usize = 8;
 
+/// The meshes of CATAMARAN_DATA that are raced by default: 43k, 317k and 1.24 M vertices.
+const MESHES: [&str; 3] = ["armadillo43k.obj.gz", "mni152_wm317k.ply.xz", "mni152_wm1p24M.ply.xz"];
+
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Meshes; by default a generated terrain of 100,489 vertices, and the armadillo if
-    /// CATAMARAN_DATA (default ../shared) has it.
+    /// Meshes; by default the armadillo and two of a brain (43k, 317k and 1.24 M vertices) where
+    /// CATAMARAN_DATA (default ../shared) has them, else a generated terrain of 100,489 vertices.
     meshes: Vec<PathBuf>,
     #[command(flatten)]
     contest: Contest,
@@ -56,7 +59,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         ""
     );
     let mut lines = Vec::new();
-    for (name, mesh) in meshes(&arguments.meshes)? {
+    let mut paths = arguments.meshes.clone();
+    if paths.is_empty() {
+        let folder = input::data_folder().join("meshes");
+        paths.extend(MESHES.map(|name| folder.join(name)).into_iter().filter(|path| path.exists()));
+    }
+    for (name, mesh) in meshes(&paths)? {
         let folder = tempfile::tempdir()?;
         let place = folder.path().display().to_string();
         let n = prepare(folder.path(), &mesh)?;

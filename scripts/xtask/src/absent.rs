@@ -107,7 +107,7 @@ use super::ata_params::cata_ata_params;
 use super::backend::cata_backend;
 use super::boundary::boundary;
 use super::progress::cata_progress;
-use super::status::{CATA_ERR_UNSUPPORTED, Failure, cata_status};
+use super::status::{Failure, cata_status};
 
 /// What a function returns that can't do its work.
 trait Refusal {
@@ -116,8 +116,7 @@ trait Refusal {
 
 impl Refusal for cata_status {
     fn without(feature: &str) -> Self {
-        let why = format!(\"built without the feature {feature}\");
-        boundary(|| Err(Failure::new(CATA_ERR_UNSUPPORTED, why)))
+        boundary(|| Err(Failure::absent(feature)))
     }
 }
 

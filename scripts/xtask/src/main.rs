@@ -3,7 +3,9 @@
 mod absent;
 #[cfg(test)]
 mod conventions;
+mod declarations;
 mod faces;
+mod fortran;
 mod generated;
 mod header;
 mod msrv;
@@ -19,6 +21,8 @@ cargo xtask faces             write docs/faces.md: each operation in each face
 cargo xtask faces --check     fail if it is not what would be written
 cargo xtask header            write include/catamaran.h and capi/src/absent.rs from capi/src
 cargo xtask header --check    fail if they are not what would be written
+cargo xtask fortran           write include/catamaran.f90 from include/catamaran.h
+cargo xtask fortran --check   fail if it is not what would be written
 cargo xtask notice            write NOTICE from the packages in Cargo.lock
 cargo xtask notice --check    fail if NOTICE is not what would be written
 cargo xtask options           write docs/guide/options.md from the structs of options
@@ -33,6 +37,8 @@ fn main() -> ExitCode {
         ["faces", "--check"] => faces::FACES.check(&root()),
         ["header"] => header::HEADER.write(&root()).and(absent::ABSENT.write(&root())),
         ["header", "--check"] => header::HEADER.check(&root()).and(absent::ABSENT.check(&root())),
+        ["fortran"] => fortran::FORTRAN.write(&root()),
+        ["fortran", "--check"] => fortran::FORTRAN.check(&root()),
         ["notice"] => notice::NOTICE.write(&root()),
         ["notice", "--check"] => notice::NOTICE.check(&root()),
         ["options"] => options::OPTIONS.write(&root()),
