@@ -65,7 +65,7 @@ mod _catamaran {
     #[pymodule_export]
     use crate::spectral::{Eigenbasis, eigenproducts, functional_map, transfer};
     #[pymodule_export]
-    use crate::spectrum::{eigsh, eigsh_sparse};
+    use crate::spectrum::{eigsh, eigsh_ranks, eigsh_sparse};
     #[pymodule_export]
     use crate::tables::read;
     #[pymodule_export]

@@ -246,6 +246,9 @@ def eigsh(
 def eigsh_sparse(
     a: Csr, mass: Any, search: Dict[str, Any], progress: Callback
 ) -> Tuple[Tuple[Array, Array], int]: ...
+def eigsh_ranks(
+    a: Csr, mass: Any, search: Dict[str, Any], comm: int
+) -> Tuple[Array, Array]: ...
 def eigenproducts(
     basis: Eigenbasis, order: int, method: str, threads: Optional[int], progress: Callback
 ) -> Tuple[Array, Array, Array, List[List[int]]]: ...

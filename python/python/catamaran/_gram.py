@@ -296,7 +296,7 @@ def lstsq(
         if factors or missing != "error":
             raise ValueError("comm: not together with factors or missing")
         more: Dict[str, Any] = {"threads": threads, "progress": progress}
-        total = sums(comm, a, b, weights, kind="extended", center=intercept, **more)
+        total = sums(comm, a, b, weights, "extended", intercept, None, more)
         targets = 1 if np.ndim(b) == 1 else np.shape(b)[1]
         return of_first(comm, lambda: solution(total._lstsq(targets, options), np.ndim(b) == 1))
     if not factors and missing == "error":
@@ -398,8 +398,7 @@ def pca(
         from ._ranks import gathered, sums
 
         more: Dict[str, Any] = {"threads": threads, "progress": progress}
-        total = sums(comm, a, weights=weights, kind="extended", center=True, **more)
-        total = comm.bcast(total)
+        total = comm.bcast(sums(comm, a, None, weights, "extended", True, None, more))
         about = {"standardize": standardize, "whiten": whiten, "threads": threads}
         components: List[PrincipalComponents] = []
         gathered(comm, lambda: components.append(total.pca(n_components, **about)))

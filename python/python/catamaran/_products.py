@@ -125,18 +125,10 @@ def ata(
         if b is not None or out is not None or beta != 0 or not (center is None or center is True):
             raise ValueError("comm: not together with b, out, beta, or a row as center")
         exact = reproducible or scheme == "exact"
-        total = sums(
-            comm,
-            a,
-            weights=weights,
-            kind="exact" if exact else "float",
-            center=center is True,
-            dtype=dtype,
-            scheme="auto" if exact else scheme,
-            accuracy=accuracy,
-            threads=threads,
-            progress=progress,
-        )
+        way = "auto" if exact else scheme
+        more = {"scheme": way, "accuracy": accuracy, "threads": threads, "progress": progress}
+        kind = "exact" if exact else "float"
+        total = sums(comm, a, None, weights, kind, center is True, dtype, more)
         return of_first(comm, lambda: total.result(alpha=alpha, uplo=uplo))
     options = (uplo, scheme, accuracy, reproducible, threads)
     if progress is not None:

@@ -6,12 +6,11 @@ was built for. Rows stay where they are; accumulators travel.
 
 from __future__ import annotations
 
-from typing import Any, Callable, Iterator, List, Optional
+from typing import Any, Callable, Dict, Iterator, List, Optional
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from ._options import Accuracy, Progress
 from ._products import Accumulator
 
 #: Rows of A and B that are joined at a time.
@@ -43,20 +42,16 @@ def of_first(comm: Any, work: Callable[[], Any]) -> Any:
 def sums(
     comm: Any,
     a: ArrayLike,
-    b: Optional[ArrayLike] = None,
-    weights: Optional[ArrayLike] = None,
-    *,
+    b: Optional[ArrayLike],
+    weights: Optional[ArrayLike],
     kind: str,
     center: bool,
-    dtype: Optional[DTypeLike] = None,
-    scheme: str = "auto",
-    accuracy: Accuracy = "default",
-    threads: Optional[int] = None,
-    progress: Progress = None,
+    dtype: Optional[DTypeLike],
+    more: Dict[str, Any],
 ) -> Any:
     """Return an `Accumulator` over the rows ``[A B]`` of all ranks on rank 0, and None on the
     others. Exact and extended sums have the same bytes for any number of ranks and any distribution
-    of the rows."""
+    of the rows. `more` is for `Accumulator.add`."""
     parts: List[NDArray[Any]] = []
     masses: Optional[NDArray[np.float64]] = None
 
@@ -74,7 +69,7 @@ def sums(
         rows = parts[0].shape[0]
         if parts[-1].shape[0] != rows:
             raise ValueError(f"b: {parts[-1].shape[0]} rows, where a has {rows}")
-        single = all(part.dtype == np.float32 for part in parts)
+        single = kind != "extended" and parts[0].dtype == np.float32
         scalar = np.dtype(dtype or (np.float32 if single else np.float64)).name
         largest = None
         if weights is not None:
@@ -127,9 +122,7 @@ def sums(
             largest_weight=largest,
         )
         for rows, own in blocks(parts, masses):
-            total.add(
-                rows, own, scheme=scheme, accuracy=accuracy, threads=threads, progress=progress
-            )
+            total.add(rows, own, **more)
         return total
 
     own: List[Accumulator] = []
