@@ -136,6 +136,30 @@ fn a_table_that_can_not_be_written_is_refused_before_the_work() {
 }
 
 #[test]
+fn scaling_is_a_table_and_a_picture_of_some_of_the_ranks() {
+    let folder = tempfile::tempdir().unwrap();
+    let name = folder.path().join("scaling");
+    let (code, said) =
+        run(3, &format!("-m 600 -n 40 --mode rows --repeat 1 --scaling {}", name.display()));
+    assert_eq!(code, Some(0), "{said}");
+    let rows = table(&name.with_extension("csv"));
+    let of = |kind: &str, column: &str| -> Vec<String> {
+        let own = rows.iter().filter(|row| row["kind"] == kind);
+        own.map(|row| row[column].clone()).collect()
+    };
+    for kind in ["strong", "weak"] {
+        assert_eq!(of(kind, "ranks"), ["1", "2", "3"]);
+        assert_eq!(of(kind, "speedup")[0], "1.0000");
+    }
+    assert_eq!(of("strong", "m"), ["600", "600", "600"]);
+    assert_eq!(of("weak", "m"), ["200", "400", "600"]);
+    assert!(fs::read_to_string(name.with_extension("svg")).unwrap().contains("\nideal\n"));
+    let (code, said) = run(2, "-m 40 -n 30 --scaling none/scaling");
+    assert_eq!(code, Some(3), "{said}");
+    assert_eq!(said.matches("scaling.csv: can't be written").count(), 1, "{said}");
+}
+
+#[test]
 fn threads_are_labelled_as_many_as_are_used() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("runs.csv");

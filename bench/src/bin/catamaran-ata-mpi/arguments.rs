@@ -55,6 +55,10 @@ pub struct Arguments {
     /// Appends a line to FILE, after a header if it is new.
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     pub csv: Option<PathBuf>,
+    /// Measures on 1, 2, 4, ... ranks, A and as many rows for each; writes NAME.csv and NAME.svg.
+    #[arg(long, value_name = "NAME", help_heading = OUTPUT)]
+    #[arg(conflicts_with_all = ["check", "rival", "explain", "csv", "record"])]
+    pub scaling: Option<String>,
     /// Writes NAME.csv and host.txt under bench/record, NAME.svg into target/record.
     #[arg(long, value_name = "NAME", help_heading = OUTPUT)]
     pub record: Option<String>,
@@ -82,6 +86,7 @@ Units:
 Examples:
   mpirun -n 4 catamaran-ata-mpi -m 600000 -n 500 --mode rows --check
   mpirun -n 2 --bind-to none catamaran-ata-mpi -m 8192 -n 8192 --threads 8 --csv runs.csv
+  mpirun -n 8 catamaran-ata-mpi -m 600000 -n 500 --scaling scaling
   srun -N 8 --ntasks-per-node=1 --cpus-per-task=16 \\
       catamaran-ata-mpi -m 60000 -n 60000 --mode tree --threads 16 --check
 
@@ -170,6 +175,7 @@ mod tests {
         assert!(refused(&["--mode", "square"]).contains("rows, grid, auto, tree, deal or root"));
         assert!(refused(&["--rival", "dsyrk"]).contains("pdsyrk=PATH"));
         assert!(refused(&["--scheme", "ata9"]).contains("ata9"));
+        assert!(refused(&["--scaling", "s", "--check"]).contains("--check"));
     }
 
     /// Returns the arguments of every command of a text that names the driver after a launcher.

@@ -13,6 +13,7 @@ mod report;
 mod rival;
 mod row;
 mod scalapack;
+mod scaling;
 
 use std::path::Path;
 use std::process::ExitCode;
