@@ -6,6 +6,8 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use catamaran::Par;
+use catamaran::faer::Mat;
+use catamaran::io::{Output, Overwrite, write};
 use catamaran::ranks::plan::{Mode, proposition_8_3};
 
 /// The driver on some ranks.
@@ -157,6 +159,25 @@ fn scaling_is_a_table_and_a_picture_of_some_of_the_ranks() {
     let (code, said) = run(2, "-m 40 -n 30 --scaling none/scaling");
     assert_eq!(code, Some(3), "{said}");
     assert_eq!(said.matches("scaling.csv: can't be written").count(), 1, "{said}");
+}
+
+#[test]
+fn rows_of_a_file_take_the_place_of_a_generated_matrix() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.npy");
+    let a = Mat::<f64>::from_fn(90, 7, |i, j| (i * 3 + j) as f64);
+    write(Output::create(&path, Overwrite::Never).unwrap(), a.as_ref()).unwrap();
+    let file = format!("--repeat 1 --file {}", path.display());
+    let (code, said) = run(3, &format!("{file} --check"));
+    assert_eq!(code, Some(0), "{said}");
+    assert!(said.contains("A         90x7, mode rows, f64"), "{said}");
+    let name = folder.path().join("scaling");
+    let (code, said) = run(2, &format!("{file} --scaling {}", name.display()));
+    assert_eq!(code, Some(0), "{said}");
+    assert_eq!(table(&name.with_extension("csv"))[1]["m"], "45");
+    let (code, said) = run(2, &format!("{file} --mode grid"));
+    assert_eq!(code, Some(3), "{said}");
+    assert_eq!(said.matches("--file: each rank reads").count(), 1, "{said}");
 }
 
 #[test]

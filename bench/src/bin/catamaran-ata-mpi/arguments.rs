@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use catamaran::SchemeChoice;
+use catamaran::io::RowFile;
 use catamaran::ranks::plan::{Machine, Mode, Place, choose};
 use catamaran_bench::contender::scheme_named;
 use catamaran_bench::input::Shape;
@@ -11,7 +12,7 @@ use clap::Parser;
 use crate::job::Job;
 
 /// Measures A^T A on the ranks of mpirun or srun: time, GFLOP/s, % of peak, words and messages.
-#[derive(Parser)]
+#[derive(Clone, Parser)]
 #[command(name = "catamaran-ata-mpi", args_override_self = true, after_help = AFTER, version)]
 pub struct Arguments {
     /// Rows of A.
@@ -23,6 +24,10 @@ pub struct Arguments {
     /// Uses entries of 4 bytes (f32) instead of 8 (f64).
     #[arg(long, help_heading = PROBLEM)]
     pub f32: bool,
+    /// Reads A from FILE (.npy, or F.h5:/dataset with HDF5) instead of generating it; mode rows.
+    #[arg(long, value_name = "FILE", help_heading = PROBLEM)]
+    #[arg(conflicts_with_all = ["m", "n", "rival"])]
+    pub file: Option<PathBuf>,
     /// Seed of A, which is uniform in [-1, 1).
     #[arg(long, default_value_t = 1, help_heading = PROBLEM)]
     pub seed: u64,
@@ -145,11 +150,32 @@ fn side(text: &str) -> Result<usize, String> {
 }
 
 impl Arguments {
+    /// Returns the arguments with the sides of the matrix in the file, if there is one.
+    ///
+    /// # Errors
+    /// When the file can't be read by rows, or another mode was requested.
+    pub fn with_sides_of_file(&self) -> catamaran_bench::Result<Self> {
+        let mut all = self.clone();
+        let Some(file) = &self.file else { return Ok(all) };
+        if matches!(self.mode, Choice::Named(mode) if mode != Mode::Rows) {
+            return Err("--file: each rank reads some rows of A, which is --mode rows".into());
+        }
+        let rows = RowFile::open(file)?;
+        (all.m, all.n) = (rows.nrows(), rows.ncols());
+        if all.m == 0 || all.n == 0 {
+            return Err(
+                format!("{}: {} x {}, without entries", file.display(), all.m, all.n).into()
+            );
+        }
+        Ok(all)
+    }
+
     /// Returns the product on this number of ranks.
     pub fn job(&self, ranks: usize) -> Job {
         let shape = Shape { m: self.m, n: self.n };
         let mode = match self.mode {
             Choice::Named(mode) => mode,
+            Choice::Best(_) if self.file.is_some() => Mode::Rows,
             Choice::Best(place) => choose(ranks, self.m, self.n, &Machine::default(), place),
         };
         Job { mode, shape, seed: self.seed, threads: self.threads.into(), scheme: self.scheme }

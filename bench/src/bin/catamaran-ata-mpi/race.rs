@@ -40,7 +40,7 @@ pub fn race<T: MpiReal>(arguments: &Arguments, ranks: &Ranks<'_>) -> Result<bool
 
     let job = setting.job;
     let world = World::new(ranks.0)?;
-    let mut ours = ranks.agree(Ours::<T>::new(&world, job))?;
+    let mut ours = ranks.agree(Ours::<T>::new(&world, job, arguments.file.as_deref()))?;
     // The first run includes the creation of threads and buffers.
     ours.run()?;
     let scalapack = setting.load_rival::<T>()?;
@@ -161,8 +161,7 @@ impl<'a> Setting<'a> {
         let Self { arguments, ranks, job, .. } = self;
         self.say(&format!("\n{}", scaling::TITLE));
         let tell = |point: &scaling::Point| self.say(&point.to_string());
-        let repetitions = arguments.repeat.into();
-        let points = scaling::measure::<T>(*job, repetitions, ranks, scalar::<T>(), tell)?;
+        let points = scaling::measure::<T>(arguments, *job, ranks, scalar::<T>(), tell)?;
         let written = on_root(ranks, || {
             let put = |ending: &str, text: String| {
                 let path = format!("{name}.{ending}");

@@ -11,6 +11,7 @@ use catamaran_bench::race::median;
 use mpi::topology::{Color, SimpleCommunicator};
 use mpi::traits::Communicator;
 
+use crate::arguments::Arguments;
 use crate::job::Job;
 use crate::ours::Ours;
 use crate::ranks::Ranks;
@@ -73,14 +74,15 @@ impl fmt::Display for Point {
 pub const TITLE: &str =
     "scaling  ranks          m        n      time s   GFLOP/s  speedup  efficiency %";
 
-/// Measures all products; `tell` reports each of them. All ranks call this function, and those that
+/// Measures all products, those of the first rows of a file if there is one; `tell` reports each
+/// of them. All ranks call this function, and those that
 /// have no part in a product wait for its end.
 ///
 /// # Errors
 /// On all ranks if any rank has an error.
 pub fn measure<T: MpiReal>(
+    arguments: &Arguments,
     job: Job,
-    repetitions: usize,
     ranks: &Ranks<'_>,
     scalar: &'static str,
     tell: impl Fn(&Point),
@@ -92,7 +94,7 @@ pub fn measure<T: MpiReal>(
         for kind in KINDS {
             let job = Job { shape: shape(kind, job.shape, count, ranks.count()), ..job };
             let own = match part.as_ref().filter(|_| takes_part) {
-                Some(part) => seconds::<T>(job, repetitions, part),
+                Some(part) => seconds::<T>(arguments, job, part),
                 None => Ok(0.0),
             };
             let seconds = ranks.largest(ranks.agree(own)?);
@@ -122,14 +124,14 @@ fn shape(kind: &str, shape: Shape, count: usize, all: usize) -> Shape {
 }
 
 /// Returns the median of the seconds of the product on the ranks of `part`.
-fn seconds<T: MpiReal>(job: Job, repetitions: usize, part: &SimpleCommunicator) -> Result<f64> {
+fn seconds<T: MpiReal>(arguments: &Arguments, job: Job, part: &SimpleCommunicator) -> Result<f64> {
     let ranks = Ranks(part);
     let world = World::new(part)?;
-    let mut ours = ranks.agree(Ours::<T>::new(&world, job))?;
+    let mut ours = ranks.agree(Ours::<T>::new(&world, job, arguments.file.as_deref()))?;
     // The first run includes the creation of threads and buffers.
     ours.run()?;
-    let mut all = Vec::with_capacity(repetitions);
-    for _ in 0..repetitions {
+    let mut all = Vec::new();
+    for _ in 0..arguments.repeat {
         ours.forget();
         let (wall, done) = ranks.time(|| ours.run());
         done?;
