@@ -74,9 +74,8 @@ impl fmt::Display for Point {
 pub const TITLE: &str =
     "scaling  ranks          m        n      time s   GFLOP/s  speedup  efficiency %";
 
-/// Measures all products, those of the first rows of a file if there is one; `tell` reports each
-/// of them. All ranks call this function, and those that
-/// have no part in a product wait for its end.
+/// Measures all products, and calls `tell` for each. Of a file, weak scaling takes the first rows.
+/// All ranks call this function, and those that have no part in a product wait for its end.
 ///
 /// # Errors
 /// On all ranks if any rank has an error.
