@@ -212,7 +212,7 @@ fn parse_command_line() -> (Cli, String) {
         if error.kind() == ErrorKind::DisplayVersion {
             let [mpi, hdf5] = info::mpi_and_hdf5();
             // Nobody reads what can't be printed.
-            let _ = write!(io::stdout(), "{error}MPI {mpi}\nHDF5 {hdf5}\n");
+            let _ = writeln!(io::stdout(), "{error}MPI {mpi}\nHDF5 {hdf5}");
             std::process::exit(0);
         }
         error.exit()

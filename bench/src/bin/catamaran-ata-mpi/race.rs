@@ -293,7 +293,7 @@ fn check_tables(arguments: &Arguments) -> Result<()> {
     }
     let Some(record) = arguments.record.as_deref().map(record::table) else { return Ok(()) };
     if let Some(folder) = record.parent() {
-        std::fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+        fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     }
     record::check_writable(&record, Row::HEADER)
 }
