@@ -6,6 +6,8 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use catamaran::Par;
+use catamaran::faer::Mat;
+use catamaran::io::{Output, Overwrite, write};
 use catamaran::ranks::plan::{Mode, proposition_8_3};
 
 /// The driver on some ranks.
@@ -133,6 +135,49 @@ fn a_table_that_can_not_be_written_is_refused_before_the_work() {
     assert_eq!(code, Some(3), "{said}");
     assert_eq!(said.matches("runs.csv: can't be written").count(), 1, "{said}");
     assert!(!said.contains("GFLOP/s"), "{said}");
+}
+
+#[test]
+fn scaling_is_a_table_and_a_picture_of_some_of_the_ranks() {
+    let folder = tempfile::tempdir().unwrap();
+    let name = folder.path().join("scaling");
+    let (code, said) =
+        run(3, &format!("-m 600 -n 40 --mode rows --repeat 1 --scaling {}", name.display()));
+    assert_eq!(code, Some(0), "{said}");
+    let rows = table(&name.with_extension("csv"));
+    let of = |kind: &str, column: &str| -> Vec<String> {
+        let own = rows.iter().filter(|row| row["kind"] == kind);
+        own.map(|row| row[column].clone()).collect()
+    };
+    for kind in ["strong", "weak"] {
+        assert_eq!(of(kind, "ranks"), ["1", "2", "3"]);
+        assert_eq!(of(kind, "speedup")[0], "1.0000");
+    }
+    assert_eq!(of("strong", "m"), ["600", "600", "600"]);
+    assert_eq!(of("weak", "m"), ["200", "400", "600"]);
+    assert!(fs::read_to_string(name.with_extension("svg")).unwrap().contains("\nideal\n"));
+    let (code, said) = run(2, "-m 40 -n 30 --scaling none/scaling");
+    assert_eq!(code, Some(3), "{said}");
+    assert_eq!(said.matches("scaling.csv: can't be written").count(), 1, "{said}");
+}
+
+#[test]
+fn rows_of_a_file_take_the_place_of_a_generated_matrix() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.npy");
+    let a = Mat::<f64>::from_fn(90, 7, |i, j| (i * 3 + j) as f64);
+    write(Output::create(&path, Overwrite::Never).unwrap(), a.as_ref()).unwrap();
+    let file = format!("--repeat 1 --file {}", path.display());
+    let (code, said) = run(3, &format!("{file} --check"));
+    assert_eq!(code, Some(0), "{said}");
+    assert!(said.contains("A         90x7, mode rows, f64"), "{said}");
+    let name = folder.path().join("scaling");
+    let (code, said) = run(2, &format!("{file} --scaling {}", name.display()));
+    assert_eq!(code, Some(0), "{said}");
+    assert_eq!(table(&name.with_extension("csv"))[1]["m"], "45");
+    let (code, said) = run(2, &format!("{file} --mode grid"));
+    assert_eq!(code, Some(3), "{said}");
+    assert_eq!(said.matches("--file: each rank reads").count(), 1, "{said}");
 }
 
 #[test]

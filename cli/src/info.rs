@@ -64,17 +64,23 @@ fn limit() -> Result<()> {
     row!("limit", isa = limit.name(); "{:WIDTH$}{what} (CATAMARAN_ISA)", "limit")
 }
 
-/// Reports the libraries that this program was built with, or how to build it with them.
-fn libraries() -> Result<()> {
+/// Returns the MPI library and the version of HDF5 of this program, or how to build it with them.
+pub fn mpi_and_hdf5() -> [String; 2] {
     #[cfg(feature = "mpi")]
     let mpi = catamaran::ranks::mpi_version();
     #[cfg(not(feature = "mpi"))]
     let mpi = "not in this build (build with --features mpi)".to_owned();
-    row!("mpi", available = cfg!(feature = "mpi"), library = mpi; "{:WIDTH$}{mpi}", "MPI")?;
     #[cfg(feature = "hdf5")]
     let hdf5 = catamaran::io::hdf5_version();
     #[cfg(not(feature = "hdf5"))]
     let hdf5 = "not in this build (build with --features hdf5)".to_owned();
+    [mpi, hdf5]
+}
+
+/// Reports the libraries that this program was built with.
+fn libraries() -> Result<()> {
+    let [mpi, hdf5] = mpi_and_hdf5();
+    row!("mpi", available = cfg!(feature = "mpi"), library = mpi; "{:WIDTH$}{mpi}", "MPI")?;
     row!("hdf5", available = cfg!(feature = "hdf5"), library = hdf5; "{:WIDTH$}{hdf5}", "HDF5")
 }
 

@@ -55,7 +55,7 @@ mod tune;
 mod unions;
 mod wilt;
 
-use std::io;
+use std::io::{self, Write as _};
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
@@ -208,7 +208,14 @@ fn parse_command_line() -> (Cli, String) {
     let mut command = parse::with_negative_numbers(Cli::command());
     let words: Vec<_> = std::env::args_os().collect();
     let mut matches = command.try_get_matches_from_mut(&words).unwrap_or_else(|error| {
-        renamed::explained(parse::explained(error, &command), &command, &words).exit()
+        let error = renamed::explained(parse::explained(error, &command), &command, &words);
+        if error.kind() == ErrorKind::DisplayVersion {
+            let [mpi, hdf5] = info::mpi_and_hdf5();
+            // Nobody reads what can't be printed.
+            let _ = writeln!(io::stdout(), "{error}MPI {mpi}\nHDF5 {hdf5}");
+            std::process::exit(0);
+        }
+        error.exit()
     });
     if let Some(option) = stdio::dash(&command, &matches) {
         let what =

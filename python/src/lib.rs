@@ -75,7 +75,7 @@ mod _catamaran {
         transfer_details,
     };
     #[pymodule_export]
-    use crate::spectrum::{eigsh, eigsh_sparse};
+    use crate::spectrum::{eigsh, eigsh_ranks, eigsh_sparse};
     #[pymodule_export]
     use crate::tables::read;
     #[pymodule_export]

@@ -4,6 +4,8 @@ use catamaran::base::Progress;
 use catamaran::sparse::{CsMatView, EigenOptions, Eigenpairs, Mass, eigs, free_components};
 use catamaran::{Error, Par};
 use catamaran_geometry::mesh::laplacian;
+#[cfg(not(feature = "mpi"))]
+use pyo3::exceptions::PyNotImplementedError;
 use pyo3::prelude::*;
 
 use crate::array::{from_matrix, from_vec};
@@ -25,6 +27,17 @@ arguments! {
 }
 
 impl Search {
+    fn options<'p>(&self, par: Par, progress: Progress<'p>) -> EigenOptions<'p> {
+        EigenOptions::new()
+            .k(self.k)
+            .shift(self.sigma)
+            .tolerance(self.tol)
+            .verify_count(self.verify_count)
+            .seed(self.seed)
+            .par(par)
+            .progress(progress)
+    }
+
     fn pairs(
         &self,
         stiffness: CsMatView<'_, f64>,
@@ -32,15 +45,7 @@ impl Search {
         par: Par,
         progress: Progress<'_>,
     ) -> catamaran::Result<Eigenpairs> {
-        let options = EigenOptions::new()
-            .k(self.k)
-            .shift(self.sigma)
-            .tolerance(self.tol)
-            .verify_count(self.verify_count)
-            .seed(self.seed)
-            .par(par)
-            .progress(progress);
-        eigs(stiffness, mass, &options)
+        eigs(stiffness, mass, &self.options(par, progress))
     }
 }
 
@@ -101,4 +106,42 @@ pub fn eigsh_sparse<'py>(
         Ok::<_, Error>((pairs, free_components(a.view(), &mass)?))
     })?;
     Ok((arrays(py, pairs)?, free))
+}
+
+/// Eigenpairs of a sparse symmetric matrix of which every rank of a communicator, named by its
+/// Fortran handle, has some rows; see `catamaran.eigsh`. Vectors are those rows.
+#[cfg(feature = "mpi")]
+#[pyfunction]
+#[pyo3(signature = (a, mass, search, comm))]
+pub fn eigsh_ranks<'py>(
+    py: Python<'py>,
+    a: Csr<'py>,
+    mass: Option<&Bound<'py, PyAny>>,
+    search: Search,
+    comm: i32,
+) -> PyResult<Pairs<'py>> {
+    let par = par(search.threads)?;
+    let a = a.matrix("a")?.to_matrix()?;
+    let mass = mass_of(mass, a.rows())?;
+    // Short work stays on the thread of the caller, perhaps the only one that may call MPI.
+    let pairs = run(py, Length::Short, None, move |progress| {
+        let world = catamaran::ranks::World::from_fortran(comm)?;
+        catamaran::ranks::eigs(&world, a.view(), &mass, &search.options(par, progress))
+    })?;
+    arrays(py, pairs)
+}
+
+/// Says that this package was built without MPI.
+#[cfg(not(feature = "mpi"))]
+#[pyfunction]
+#[pyo3(signature = (a, mass, search, comm))]
+pub fn eigsh_ranks(
+    a: Csr<'_>,
+    mass: Option<&Bound<'_, PyAny>>,
+    search: Search,
+    comm: i32,
+) -> PyResult<()> {
+    let _ = (a, mass, search, comm);
+    let why = "comm: eigsh needs a package built with --features mpi";
+    Err(PyNotImplementedError::new_err(why))
 }

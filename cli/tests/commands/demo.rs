@@ -30,6 +30,19 @@ fn info_names_version_cpu_libraries_back_ends_and_instances() {
 }
 
 #[test]
+fn the_version_names_mpi_and_hdf5_as_info_does() {
+    let text = Folder::new().succeed("--version");
+    let (first, libraries) = text.split_once('\n').unwrap();
+    assert_eq!(first, concat!("catamaran ", env!("CARGO_PKG_VERSION")));
+    let info = Folder::new().succeed("info");
+    let libraries: Vec<_> = libraries.lines().map(|line| line.split_once(' ').unwrap()).collect();
+    assert_eq!(libraries.iter().map(|(label, _)| *label).collect::<Vec<_>>(), ["MPI", "HDF5"]);
+    for (label, library) in libraries {
+        assert_eq!(block(&info, label), [library]);
+    }
+}
+
+#[test]
 fn the_limit_on_instruction_sets_is_shown_and_kept_and_a_wrong_one_is_an_error() {
     let folder = Folder::new();
     let run = |isa: &str, arguments: &[&str]| {

@@ -113,10 +113,10 @@ fn others() -> String {
     }
     let text = |path: &PathBuf| String::from_utf8_lossy(&fs::read(path).unwrap()).into_owned();
     let ours: String = paths.iter().map(text).collect();
-    // cargo, ld, CMake, Open MPI and Slurm.
+    // cargo, ld, CMake, pip, Open MPI and Slurm.
     ours + "--gc-sections --features --release --locked --no-default-features --workspace --path \
             --target --bin --open --config --preset --map-by --cpu-bind --ntasks-per-socket --mpi \
-            --mem --signal --requeue"
+            --mem --signal --requeue --config-settings"
 }
 
 #[test]

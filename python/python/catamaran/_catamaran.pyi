@@ -254,6 +254,9 @@ def eigenbasis(
     threads: Optional[int],
     progress: Callback,
 ) -> BasisParts: ...
+def eigsh_ranks(
+    a: Csr, mass: Any, search: Dict[str, Any], comm: int
+) -> Tuple[Array, Array]: ...
 def eigenproducts(
     basis: Eigenbasis, order: int, method: str, threads: Optional[int], progress: Callback
 ) -> Tuple[Array, Array, Array, List[List[int]]]: ...

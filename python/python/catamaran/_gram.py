@@ -277,6 +277,7 @@ def lstsq(
     missing: MissingRows = "error",
     threads: Optional[int] = None,
     progress: Progress = None,
+    comm: Any = None,
 ) -> LeastSquares:
     """Solve ``min |W^(1/2) (A X - B)|^2 + ridge |X|^2`` in one pass over the rows.
 
@@ -310,6 +311,10 @@ def lstsq(
         The "nan" of `read` is refused: no solution can be computed with NaN.
     threads, progress
         As in `ata`.
+    comm : communicator of mpi4py, optional
+        Every rank of it has some rows of A and B, and their weights, and gets the solution for all
+        rows: the same bytes for any number of ranks. Rank 0 solves. Without `factors` and
+        ``missing="drop"``.
 
     Returns
     -------
@@ -336,6 +341,15 @@ def lstsq(
     if missing not in ("error", "drop"):
         raise ValueError(f"missing: '{missing}' is not one of 'error', 'drop'")
     options = fit_options(ridge, intercept, rank_deficiency, standard_errors, threads)
+    if comm is not None:
+        from ._ranks import of_first, sums
+
+        if factors or missing != "error":
+            raise ValueError("comm: not together with factors or missing")
+        more: Dict[str, Any] = {"threads": threads, "progress": progress}
+        total = sums(comm, a, b, weights, "extended", intercept, None, more)
+        targets = 1 if np.ndim(b) == 1 else np.shape(b)[1]
+        return of_first(comm, lambda: solution(total._lstsq(targets, options), np.ndim(b) == 1))
     if not factors and missing == "error":
         found = _catamaran.lstsq(rows_of(a), b, weights, options, callback(progress))
         return solution(found, np.ndim(b) == 1)
@@ -420,6 +434,7 @@ def pca(
     whiten: bool = False,
     threads: Optional[int] = None,
     progress: Progress = None,
+    comm: Any = None,
 ) -> PrincipalComponents:
     """Compute the principal components of the rows of `a`, in one pass over them.
 
@@ -437,6 +452,9 @@ def pca(
         Whether scores are divided by the root of the variance that they explain.
     threads, progress
         As in `ata`.
+    comm : communicator of mpi4py, optional
+        Every rank of it has some rows, and their weights, and gets the components of all rows: the
+        same bytes for any number of ranks.
 
     Returns
     -------
@@ -456,6 +474,15 @@ def pca(
     component  variance  share  sum of shares
             1         5      1              1
     """
+    if comm is not None:
+        from ._ranks import gathered, sums
+
+        more: Dict[str, Any] = {"threads": threads, "progress": progress}
+        total = comm.bcast(sums(comm, a, None, weights, "extended", True, None, more))
+        about = {"standardize": standardize, "whiten": whiten, "threads": threads}
+        components: List[PrincipalComponents] = []
+        gathered(comm, lambda: components.append(total.pca(n_components, **about)))
+        return components[0]
     found = _catamaran.pca(
         rows_of(a), weights, n_components, standardize, whiten, threads, callback(progress)
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Dict, NamedTuple, Optional, Sequence, Union
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -221,6 +221,7 @@ def eigsh(
     weld: bool = False,
     threads: Optional[int] = None,
     progress: Progress = None,
+    comm: Any = None,
 ) -> Eigenpairs:
     """Compute the first eigenpairs of the Laplacian of a mesh, or of a sparse pencil.
 
@@ -254,6 +255,10 @@ def eigsh(
         have a row for each vertex of `v`.
     threads, progress
         As in `ata`.
+    comm : communicator of mpi4py, optional
+        Every rank of it has some rows of a matrix and of its mass, in the order of the ranks, and
+        gets its rows of the vectors; the basis and the factorization are distributed. Needs a
+        package built with ``--features mpi`` for the MPI library of mpi4py. Without `progress`.
 
     Returns
     -------
@@ -275,7 +280,15 @@ def eigsh(
         "seed": seed,
         "threads": threads,
     }
-    if is_sparse(v):
+    if comm is not None:
+        from ._ranks import gathered
+
+        if progress is not None:
+            raise ValueError("comm: not together with progress")
+        rows: List[Any] = []
+        gathered(comm, lambda: rows.extend(own_rows(v, f)))
+        pairs = _catamaran.eigsh_ranks(rows[0], rows[1], search, comm.py2f())
+    elif is_sparse(v):
         pairs, free = _catamaran.eigsh_sparse(csr(v), mass_of(f), search, callback(progress))
         if free > 1 and sigma is None:
             zeros = f"{free} eigenvalues are zero"
@@ -287,3 +300,15 @@ def eigsh(
         dirichlet = isinstance(boundary, str) and boundary == "dirichlet"
         warn_of_pieces(pieces, dirichlet=dirichlet, shifted=sigma is not None, name="")
     return Eigenpairs(*pairs)
+
+
+def own_rows(a: Any, mass: Any) -> Tuple[Any, Any]:
+    """Return the rows of a matrix and of its mass on this rank as the extension takes them."""
+    if not is_sparse(a):
+        raise TypeError("v: with comm a matrix of scipy.sparse, of which each rank has some rows")
+    if mass is None or is_sparse(mass):
+        return csr(a), mass_of(mass)
+    masses = np.asarray(mass, dtype=np.float64)
+    if masses.shape != a.shape[:1]:
+        raise ValueError(f"mass: shape {masses.shape}, where v has {a.shape[0]} rows on this rank")
+    return csr(a), masses

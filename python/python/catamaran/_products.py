@@ -43,6 +43,7 @@ def ata(
     dtype: Optional[DTypeLike] = None,
     threads: Optional[int] = None,
     progress: Progress = None,
+    comm: Any = None,
 ) -> NDArray[Any]:
     """Compute ``alpha A^T A + beta C``, or ``alpha A^T B + beta C``.
 
@@ -83,6 +84,11 @@ def ata(
         not depend on it, bit for bit.
     progress : callable or tqdm bar, optional
         ``progress(done, total)`` is called now and then; an exception in it ends the call.
+    comm : communicator of mpi4py, optional
+        Every rank of it has some rows of a real `a`, and their weights, and gets the sum over all
+        ranks; all of them make the call. Without `b`, `out`, `beta` and a row as `center`. With
+        `reproducible` the bytes are the same for any number of ranks and any distribution of the
+        rows. Each rank holds one triangle of sums beside its rows, and one more while they merge.
 
     Returns
     -------
@@ -113,6 +119,18 @@ def ata(
            [11., 25.,  0.],
            [17., 39., 61.]])
     """
+    center = _center(center)
+    if comm is not None:
+        from ._ranks import of_first, sums
+
+        if b is not None or out is not None or beta != 0 or not (center is None or center is True):
+            raise ValueError("comm: not together with b, out, beta, or a row as center")
+        exact = reproducible or scheme == "exact"
+        way = "auto" if exact else scheme
+        more = {"scheme": way, "accuracy": accuracy, "threads": threads, "progress": progress}
+        kind = "exact" if exact else "float"
+        total = sums(comm, a, None, weights, kind, center is True, dtype, more)
+        return of_first(comm, lambda: total.result(alpha=alpha, uplo=uplo))
     options = (uplo, scheme, accuracy, reproducible, threads)
     if progress is not None:
         progress = callback(progress)
@@ -126,7 +144,6 @@ def ata(
         wide = np.dtype(dtype) == np.float64
         if not wide and np.dtype(dtype) != np.asarray(a).dtype:
             raise TypeError("dtype: expected numpy.float64, or that of a")
-    center = _center(center)
     return _catamaran.ata(a, b, weights, center, out, alpha, beta, options, wide, progress)
 
 

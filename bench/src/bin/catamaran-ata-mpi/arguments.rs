@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use catamaran::SchemeChoice;
+use catamaran::io::RowFile;
 use catamaran::ranks::plan::{Machine, Mode, Place, choose};
 use catamaran_bench::contender::scheme_named;
 use catamaran_bench::input::Shape;
@@ -11,7 +12,7 @@ use clap::Parser;
 use crate::job::Job;
 
 /// Measures A^T A on the ranks of mpirun or srun: time, GFLOP/s, % of peak, words and messages.
-#[derive(Parser)]
+#[derive(Clone, Parser)]
 #[command(name = "catamaran-ata-mpi", args_override_self = true, after_help = AFTER, version)]
 pub struct Arguments {
     /// Rows of A.
@@ -23,6 +24,10 @@ pub struct Arguments {
     /// Uses entries of 4 bytes (f32) instead of 8 (f64).
     #[arg(long, help_heading = PROBLEM)]
     pub f32: bool,
+    /// Reads A from FILE (.npy, or F.h5:/dataset with HDF5) instead of generating it; mode rows.
+    #[arg(long, value_name = "FILE", help_heading = PROBLEM)]
+    #[arg(conflicts_with_all = ["m", "n", "rival"])]
+    pub file: Option<PathBuf>,
     /// Seed of A, which is uniform in [-1, 1).
     #[arg(long, default_value_t = 1, help_heading = PROBLEM)]
     pub seed: u64,
@@ -55,6 +60,10 @@ pub struct Arguments {
     /// Appends a line to FILE, after a header if it is new.
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     pub csv: Option<PathBuf>,
+    /// Measures on 1, 2, 4, ... ranks, A and as many rows for each; writes NAME.csv and NAME.svg.
+    #[arg(long, value_name = "NAME", help_heading = OUTPUT)]
+    #[arg(conflicts_with_all = ["check", "rival", "explain", "csv", "record"])]
+    pub scaling: Option<String>,
     /// Writes NAME.csv and host.txt under bench/record, NAME.svg into target/record.
     #[arg(long, value_name = "NAME", help_heading = OUTPUT)]
     pub record: Option<String>,
@@ -82,6 +91,7 @@ Units:
 Examples:
   mpirun -n 4 catamaran-ata-mpi -m 600000 -n 500 --mode rows --check
   mpirun -n 2 --bind-to none catamaran-ata-mpi -m 8192 -n 8192 --threads 8 --csv runs.csv
+  mpirun -n 8 catamaran-ata-mpi -m 600000 -n 500 --scaling scaling
   srun -N 8 --ntasks-per-node=1 --cpus-per-task=16 \\
       catamaran-ata-mpi -m 60000 -n 60000 --mode tree --threads 16 --check
 
@@ -140,11 +150,32 @@ fn side(text: &str) -> Result<usize, String> {
 }
 
 impl Arguments {
+    /// Returns the arguments with the sides of the matrix in the file, if there is one.
+    ///
+    /// # Errors
+    /// When the file can't be read by rows, or another mode was requested.
+    pub fn with_sides_of_file(&self) -> catamaran_bench::Result<Self> {
+        let mut all = self.clone();
+        let Some(file) = &self.file else { return Ok(all) };
+        if matches!(self.mode, Choice::Named(mode) if mode != Mode::Rows) {
+            return Err("--file: each rank reads some rows of A, which is --mode rows".into());
+        }
+        let rows = RowFile::open(file)?;
+        (all.m, all.n) = (rows.nrows(), rows.ncols());
+        if all.m == 0 || all.n == 0 {
+            return Err(
+                format!("{}: {} x {}, without entries", file.display(), all.m, all.n).into()
+            );
+        }
+        Ok(all)
+    }
+
     /// Returns the product on this number of ranks.
     pub fn job(&self, ranks: usize) -> Job {
         let shape = Shape { m: self.m, n: self.n };
         let mode = match self.mode {
             Choice::Named(mode) => mode,
+            Choice::Best(_) if self.file.is_some() => Mode::Rows,
             Choice::Best(place) => choose(ranks, self.m, self.n, &Machine::default(), place),
         };
         Job { mode, shape, seed: self.seed, threads: self.threads.into(), scheme: self.scheme }
@@ -170,6 +201,7 @@ mod tests {
         assert!(refused(&["--mode", "square"]).contains("rows, grid, auto, tree, deal or root"));
         assert!(refused(&["--rival", "dsyrk"]).contains("pdsyrk=PATH"));
         assert!(refused(&["--scheme", "ata9"]).contains("ata9"));
+        assert!(refused(&["--scaling", "s", "--check"]).contains("--check"));
     }
 
     /// Returns the arguments of every command of a text that names the driver after a launcher.

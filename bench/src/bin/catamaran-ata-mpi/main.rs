@@ -13,6 +13,7 @@ mod report;
 mod rival;
 mod row;
 mod scalapack;
+mod scaling;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -68,6 +69,7 @@ fn with_mpi(arguments: &Arguments) -> Result<bool> {
         mpi::initialize_with_threading(mpi::Threading::Funneled).ok_or("MPI is already running")?;
     let comm = universe.world();
     let ranks = Ranks(&comm);
+    let arguments = &ranks.agree(arguments.with_sides_of_file())?;
     if arguments.f32 {
         race::race::<f32>(arguments, &ranks)
     } else {

@@ -1,10 +1,13 @@
 //! Our side of the race: the parts of A of this rank, and the product.
 
 use std::ops::Range;
+use std::path::Path;
 
+use catamaran::io::RowFile;
 use catamaran::product::{Verification, verify};
 use catamaran::ranks::plan::{Mode, Place};
 use catamaran::ranks::{MpiReal, Symmetric, World, ata_columns, ata_deal, ata_rows, ata_tree};
+use catamaran::rows::RowBlocks;
 use catamaran::{AtaOptions, Uplo, ranks};
 use catamaran_bench::Result;
 use faer::{MatMut, MatRef};
@@ -31,11 +34,11 @@ pub struct Ours<'w, T> {
 }
 
 impl<'w, T: MpiReal> Ours<'w, T> {
-    /// Generates this rank's part of A.
+    /// Generates this rank's part of A, or reads its rows from `file`.
     ///
     /// # Errors
-    /// When there is not enough memory.
-    pub fn new(world: &'w World, job: Job) -> Result<Self> {
+    /// When there is not enough memory, or the file can't be read.
+    pub fn new(world: &'w World, job: Job, file: Option<&Path>) -> Result<Self> {
         let (m, n) = (job.shape.m, job.shape.n);
         let share = |len: usize| {
             let start = |rank: usize| (len as u128 * rank as u128 / world.size() as u128) as usize;
@@ -49,7 +52,14 @@ impl<'w, T: MpiReal> Ours<'w, T> {
             Mode::Columns => [0..m, share(n)],
         };
         let [rows, cols] = &part;
-        let a = filled(rows.len(), cols.len(), |i, j| job.entry(rows.start + i, cols.start + j))?;
+        let mut a = filled(rows.len(), cols.len(), |i, j| match file {
+            None => job.entry(rows.start + i, cols.start + j),
+            Some(_) => T::ZERO,
+        })?;
+        if let Some(file) = file {
+            let out = MatMut::from_row_major_slice_mut(&mut a, rows.len(), cols.len());
+            RowBlocks::<T>::read(&mut RowFile::open(file)?, rows.start, out)?;
+        }
         let side = if job.mode.place() == Place::OneRank && is_root { n } else { 0 };
         let c = filled(side, side, |_, _| T::from_f64(f64::NAN))?;
         let options = job.options();

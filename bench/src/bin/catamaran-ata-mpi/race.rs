@@ -1,7 +1,7 @@
 //! The race: this library and the rival in turns, the times of each repetition, and the report.
 
-use std::thread;
 use std::time::Duration;
+use std::{fs, thread};
 
 use catamaran::Par;
 use catamaran::base::available_cores;
@@ -19,6 +19,7 @@ use crate::report::{self, Cost, Counted, Times};
 use crate::rival::{Distribution, Pdsyrk, fastest};
 use crate::row::Row;
 use crate::scalapack::{Grid, Scalapack};
+use crate::scaling;
 
 /// Duration of the measurement of the speed of all cores together.
 const PEAK_TIME: Duration = Duration::from_millis(200);
@@ -32,10 +33,14 @@ const ROUNDS: u32 = 20;
 pub fn race<T: MpiReal>(arguments: &Arguments, ranks: &Ranks<'_>) -> Result<bool> {
     let setting = Setting::prepare::<T>(arguments, ranks)?;
     setting.introduce::<T>();
+    if let Some(name) = &arguments.scaling {
+        setting.scale::<T>(name)?;
+        return Ok(true);
+    }
 
     let job = setting.job;
     let world = World::new(ranks.0)?;
-    let mut ours = ranks.agree(Ours::<T>::new(&world, job))?;
+    let mut ours = ranks.agree(Ours::<T>::new(&world, job, arguments.file.as_deref()))?;
     // The first run includes the creation of threads and buffers.
     ours.run()?;
     let scalapack = setting.load_rival::<T>()?;
@@ -151,6 +156,26 @@ impl<'a> Setting<'a> {
         }
     }
 
+    /// Measures the scaling, and writes its table and picture.
+    fn scale<T: MpiReal>(&self, name: &str) -> Result<()> {
+        let Self { arguments, ranks, job, .. } = self;
+        self.say(&format!("\n{}", scaling::TITLE));
+        let tell = |point: &scaling::Point| self.say(&point.to_string());
+        let points = scaling::measure::<T>(arguments, *job, ranks, scalar::<T>(), tell)?;
+        let written = on_root(ranks, || {
+            let put = |ending: &str, text: String| {
+                let path = format!("{name}.{ending}");
+                fs::write(&path, text).map_err(|error| format!("{path}: {error}"))
+            };
+            let lines = points.iter().map(scaling::Point::csv);
+            put("csv", record::csv(scaling::HEADER, lines))?;
+            Ok(put("svg", scaling::picture(&points))?)
+        });
+        ranks.agree(written)?;
+        self.say(&format!("written to {name}.csv and {name}.svg"));
+        Ok(())
+    }
+
     /// Loads the rival's library, if the race has a rival.
     fn load_rival<T: MpiReal>(&self) -> Result<Option<Scalapack<T>>> {
         let Some(rival) = &self.arguments.rival else { return Ok(None) };
@@ -258,13 +283,17 @@ fn on_root(ranks: &Ranks<'_>, work: impl FnOnce() -> Result<()>) -> Result<()> {
     if ranks.own() == ROOT { work() } else { Ok(()) }
 }
 
-/// Returns an error if the table of `--csv` or `--record` has other columns, or can't be written.
+/// Returns an error if the table of `--csv`, `--scaling` or `--record` has other columns, or can't
+/// be written.
 fn check_tables(arguments: &Arguments) -> Result<()> {
     let table = arguments.csv.as_deref();
     table.map_or(Ok(()), |path| record::check_writable(path, Row::HEADER))?;
+    if let Some(name) = &arguments.scaling {
+        record::check_writable(format!("{name}.csv").as_ref(), scaling::HEADER)?;
+    }
     let Some(record) = arguments.record.as_deref().map(record::table) else { return Ok(()) };
     if let Some(folder) = record.parent() {
-        std::fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+        fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     }
     record::check_writable(&record, Row::HEADER)
 }

@@ -8,7 +8,7 @@ use super::Defaults;
 use super::library::split;
 
 /// Parameters of every call.
-const COMMON: [&str; 5] = ["threads", "progress", "progress_user", "struct_size", "self"];
+const COMMON: [&str; 6] = ["threads", "progress", "progress_user", "comm", "struct_size", "self"];
 
 /// Options of the command line for files and pictures, and threads.
 const OWN: [&str; 4] = ["--input-limit", "--threads", "--up", "--view"];

@@ -1,0 +1,149 @@
+"""Sums over the rows of all ranks of a communicator of mpi4py.
+
+Only methods of the communicator are called, so that every wheel works with every MPI that mpi4py
+was built for. Rows stay where they are; accumulators travel.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Callable, Dict, Iterator, List, Optional
+
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike, NDArray
+
+from ._products import Accumulator
+
+#: Rows of A and B that are joined at a time.
+BLOCK = 4096
+
+
+def gathered(comm: Any, work: Callable[[], Any]) -> List[Any]:
+    """Return what `work` returns on each rank. If it fails on one, every rank raises an error."""
+    found, error, said = None, None, None
+    try:
+        found = work()
+    # KeyboardInterrupt too: the other ranks would wait forever.
+    except BaseException as caught:
+        error, said = caught, f"{type(caught).__name__}: {caught}"
+    everything = comm.allgather((found, said))
+    if error is not None:
+        raise error
+    for rank, (_, why) in enumerate(everything):
+        if why is not None:
+            raise RuntimeError(f"rank {rank}: {why}")
+    return [result for result, _ in everything]
+
+
+def of_first(comm: Any, work: Callable[[], Any]) -> Any:
+    """Return on every rank what `work` returns on rank 0, or raise an error on every rank."""
+    return gathered(comm, lambda: work() if comm.rank == 0 else None)[0]
+
+
+def sums(
+    comm: Any,
+    a: ArrayLike,
+    b: Optional[ArrayLike],
+    weights: Optional[ArrayLike],
+    kind: str,
+    center: bool,
+    dtype: Optional[DTypeLike],
+    more: Dict[str, Any],
+) -> Any:
+    """Return an `Accumulator` over the rows ``[A B]`` of all ranks on rank 0, and None on the
+    others. Exact and extended sums have the same bytes for any number of ranks and any distribution
+    of the rows. `more` is for `Accumulator.add`."""
+    parts: List[NDArray[Any]] = []
+    masses: Optional[NDArray[np.float64]] = None
+
+    def survey() -> Any:
+        nonlocal masses
+        for name, given in (("a", a), ("b", b)):
+            if given is not None:
+                part = np.asarray(given)
+                part = part[:, None] if name == "b" and part.ndim == 1 else part
+                if part.ndim != 2:
+                    raise ValueError(f"{name}: expected an array of 2 dimensions, got {part.ndim}")
+                if part.dtype.kind not in "fiub":
+                    raise TypeError(f"{name}: {part.dtype} can't be summed over ranks")
+                parts.append(part)
+        rows = parts[0].shape[0]
+        if parts[-1].shape[0] != rows:
+            raise ValueError(f"b: {parts[-1].shape[0]} rows, where a has {rows}")
+        single = kind != "extended" and parts[0].dtype == np.float32
+        scalar = np.dtype(dtype or (np.float32 if single else np.float64)).name
+        largest = None
+        if weights is not None:
+            masses = np.asarray(weights, dtype=np.float64)
+            if masses.shape != (rows,):
+                raise ValueError(f"weights: shape {masses.shape}, where a has {rows} rows")
+            if kind == "extended" and (masses < 0).any():
+                row = int(np.argmax(masses < 0))
+                raise ValueError(f"weights: weight {row} is negative: {masses[row]}")
+            largest = float(np.abs(masses).max(initial=0.0))
+        least: List[float] = []
+        most: List[float] = []
+        if kind != "float":
+            least = [x for part in parts for x in part.min(axis=0, initial=np.inf).tolist()]
+            most = [x for part in parts for x in part.max(axis=0, initial=-np.inf).tolist()]
+            if rows and not np.isfinite([least, most]).all():
+                column = int(np.argmin(np.isfinite(least) & np.isfinite(most)))
+                raise ValueError(f"a: column {column} has an entry that is not finite")
+        common = {
+            "columns": len(least) or parts[0].shape[1],
+            "type of sums": scalar,
+            "kind of sums": kind,
+            "centring": center,
+            "presence of weights": weights is not None,
+        }
+        return common, rows, least, most, largest
+
+    found = gathered(comm, survey)
+    for rank, (common, *_) in enumerate(found):
+        for what, value in common.items():
+            if value != found[0][0][what]:
+                first = found[0][0][what]
+                raise ValueError(f"rank {rank}: {what}: {value}, where rank 0 has {first}")
+    common = found[0][0]
+
+    def add() -> Accumulator:
+        bounds = largest = None
+        if kind != "float":
+            rows = max(1, sum(rank[1] for rank in found))
+            least = np.min([rank[2] for rank in found], axis=0)
+            most = np.max([rank[3] for rank in found], axis=0)
+            bounds = (least, most, rows)
+            largest = max(rank[4] for rank in found) if weights is not None else None
+        total = Accumulator(
+            common["columns"],
+            center=center,
+            dtype=common["type of sums"],
+            kind=kind,
+            bounds=bounds,
+            largest_weight=largest,
+        )
+        for rows, own in blocks(parts, masses):
+            total.add(rows, own, **more)
+        return total
+
+    own: List[Accumulator] = []
+    gathered(comm, lambda: own.append(add()))
+    return comm.reduce(own[0], op=joined, root=0)
+
+
+def blocks(parts: List[NDArray[Any]], weights: Optional[NDArray[Any]]) -> Iterator[Any]:
+    """Yield rows, of A and B side by side, and their weights."""
+    if len(parts) == 1:
+        yield parts[0], weights
+        return
+    for first in range(0, parts[0].shape[0], BLOCK):
+        here = slice(first, first + BLOCK)
+        yield (
+            np.column_stack([part[here] for part in parts]),
+            None if weights is None else weights[here],
+        )
+
+
+def joined(one: Accumulator, other: Accumulator) -> Accumulator:
+    """Add the sums of `other` to those of `one`."""
+    one.merge(other)
+    return one
