@@ -7,7 +7,7 @@ use std::process::{Command, Output};
 
 use catamaran::Par;
 use catamaran::faer::Mat;
-use catamaran::io::{Output, Overwrite, write};
+use catamaran::io::{Overwrite, write};
 use catamaran::ranks::plan::{Mode, proposition_8_3};
 
 /// The driver on some ranks.
@@ -166,7 +166,7 @@ fn rows_of_a_file_take_the_place_of_a_generated_matrix() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.npy");
     let a = Mat::<f64>::from_fn(90, 7, |i, j| (i * 3 + j) as f64);
-    write(Output::create(&path, Overwrite::Never).unwrap(), a.as_ref()).unwrap();
+    write(catamaran::io::Output::create(&path, Overwrite::Never).unwrap(), a.as_ref()).unwrap();
     let file = format!("--repeat 1 --file {}", path.display());
     let (code, said) = run(3, &format!("{file} --check"));
     assert_eq!(code, Some(0), "{said}");

@@ -123,7 +123,7 @@ impl<'py> FromPyObject<'_, 'py> for Products<'py> {
     type Error = PyErr;
 
     fn extract(tuple: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
-        Ok(Self(tuple.cast::<PyTuple>()?.clone()))
+        Ok(Self(tuple.cast::<PyTuple>()?.to_owned()))
     }
 }
 
