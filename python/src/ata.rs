@@ -175,8 +175,8 @@ impl<'py, T: Scalar + BlasReal> About<'py, T> {
     }
 
     /// The entries of the weights and of the row.
-    fn entries(&self) -> (Option<Cow<'_, [T]>>, Option<Cow<'_, [T]>>) {
-        (self.weights.as_ref().map(Array::entries), self.row.as_ref().map(Array::entries))
+    fn entries(&self) -> [Option<Cow<'_, [T]>>; 2] {
+        [&self.weights, &self.row].map(|array| array.as_ref().map(Array::entries))
     }
 
     /// Options of the library with these entries.
@@ -224,7 +224,7 @@ where
 {
     let (m, n) = (a.nrows(), a.ncols());
     let (alpha, beta) = (T::from_f64(call.alpha), T::from_f64(call.beta));
-    let (weights, row) = about.entries();
+    let [weights, row] = about.entries();
     let about = about.options(weights.as_deref(), row.as_deref());
     let length = Length::of(m as f64 * n as f64 * n as f64 / 2.0);
     let (view, options) = (c.view_mut(), &call.options);
@@ -304,7 +304,7 @@ pub fn ata_sparse<'py>(
             c.check_apart("out", vector)?;
         }
     }
-    let (weights, row) = about.entries();
+    let [weights, row] = about.entries();
     let (weights, rows) = (weights.as_deref(), about.options(weights.as_deref(), row.as_deref()));
     let (view, options, matrix) = (c.view_mut(), &options, &matrix);
     let is_centered = center.is_some();

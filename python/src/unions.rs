@@ -80,7 +80,10 @@ fn read_parts(parts: &[Bound<'_, PyAny>], weld: bool) -> PyResult<Vec<Part>> {
 }
 
 /// The spectra of parts, and the components of those that are meshes.
-fn spectra(parts: Vec<Part>) -> catamaran::Result<(Vec<Vec<f64>>, Vec<Option<Pieces>>)> {
+type Spectra = (Vec<Vec<f64>>, Vec<Option<Pieces>>);
+
+/// Computes them.
+fn spectra(parts: Vec<Part>) -> catamaran::Result<Spectra> {
     let found = (0..).zip(parts).map(|(i, part)| part.spectrum(i));
     let found: Vec<_> = found.collect::<catamaran::Result<_>>()?;
     Ok(found.into_iter().unzip())

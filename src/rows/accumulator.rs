@@ -3,7 +3,8 @@ use std::ops::Range;
 use faer::MatRef;
 use faer::mat::AsMatRef;
 
-use super::coded::{Coding, for_each_block_as};
+use super::coded::for_each_block_as;
+use super::coding::Coding;
 use super::exact::ExactSums;
 use super::extended::ExtendedGram;
 use super::float::FloatSums;

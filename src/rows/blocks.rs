@@ -7,8 +7,36 @@ use std::thread;
 
 use faer::MatMut;
 
+use super::coding::Coding;
 use super::source::RowBlocks;
 use crate::base::{FloatEnv, Par, Real, Result, Scratch};
+
+/// The coded rows of a source, as rows.
+pub(super) struct CodedRows<'r, T> {
+    rows: &'r mut (dyn RowBlocks<T> + Send),
+    width: usize,
+}
+
+impl<'r, T> CodedRows<'r, T> {
+    /// Creates the rows of a source with this coding.
+    pub fn new(rows: &'r mut (dyn RowBlocks<T> + Send), coding: &Coding) -> Self {
+        Self { rows, width: coding.width() }
+    }
+}
+
+impl<T> RowBlocks<T> for CodedRows<'_, T> {
+    fn nrows(&self) -> usize {
+        self.rows.nrows()
+    }
+
+    fn ncols(&self) -> usize {
+        self.width
+    }
+
+    fn read(&mut self, first: usize, out: MatMut<'_, T>) -> Result<()> {
+        self.rows.read_coded(first, out)
+    }
+}
 
 /// Calls `work(first, block)` with the rows from `start` on, `height` (>= 1) at a time, the last
 /// block with what is left; `block` holds row after row. Two blocks are allocated and no more; one

@@ -3,8 +3,8 @@
 
 use std::ops::Range;
 
-use faer::MatMut;
-
+use super::blocks::CodedRows;
+use super::coding::Coding;
 use super::exact::{ExactSums, first_beyond, is_rounded};
 use super::pass::{Pass, for_each_block_of};
 use super::source::RowBlocks;
@@ -12,95 +12,6 @@ use crate::base::{Error, Real, Result, reserved, triangle_len, triangle_rows, wi
 use crate::blas::BlasReal;
 use crate::kernel::int8::{I256, Integer};
 use crate::product::AtaOptions;
-
-/// Which columns of a matrix are the indicators of the levels of a factor, so that one code stands
-/// for all of them.
-///
-/// A coded row has the entries of the other columns, in their order, and then for each factor 0 for
-/// the base, k for the k-th column of the factor, or NaN for a missing level: the form in which
-/// [`RowBlocks::read_coded`] returns rows. Sums in extended precision are the same as those of the
-/// whole rows, and take neither their memory nor their time.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Coding {
-    /// Columns of numbers, ascending.
-    numbers: Vec<usize>,
-    /// The columns of each factor, ascending.
-    factors: Vec<Range<usize>>,
-}
-
-impl Coding {
-    /// Creates a coding; every column is one of the numbers, or one of a factor.
-    pub(super) fn new(numbers: Vec<usize>, factors: Vec<Range<usize>>) -> Self {
-        Self { numbers, factors }
-    }
-
-    /// Returns the number of entries of a coded row.
-    pub fn width(&self) -> usize {
-        self.numbers.len() + self.factors.len()
-    }
-
-    /// Returns the columns that are not coded, ascending.
-    pub fn numbers(&self) -> &[usize] {
-        &self.numbers
-    }
-
-    /// Returns the number of columns of the matrix.
-    pub(super) fn ncols(&self) -> usize {
-        self.numbers.len() + self.factors.iter().map(Range::len).sum::<usize>()
-    }
-
-    /// Returns the column of the matrix, or the first one, that entry `at` of a coded row is of.
-    pub(super) fn column(&self, at: usize) -> usize {
-        let factor = || self.factors[at - self.numbers.len()].start;
-        self.numbers.get(at).copied().unwrap_or_else(factor)
-    }
-
-    /// Returns ranges of columns, one after another, each of numbers or of one factor, which is cut
-    /// into so many parts.
-    fn groups(&self, parts: usize) -> Vec<Range<usize>> {
-        /// Columns of numbers that one thread takes: entries of a cache line.
-        const NUMBERS: usize = 8;
-        let (mut groups, mut next) = (Vec::new(), 0);
-        let mut cut = |columns: Range<usize>, most: usize| {
-            let firsts = columns.clone().step_by(most);
-            groups.extend(firsts.map(|first| first..columns.end.min(first + most)));
-        };
-        for factor in &self.factors {
-            cut(next..factor.start, NUMBERS);
-            cut(factor.clone(), factor.len().div_ceil(parts));
-            next = factor.end;
-        }
-        cut(next..self.ncols(), NUMBERS);
-        groups
-    }
-}
-
-/// The coded rows of a source, as rows.
-pub(super) struct CodedRows<'r, T> {
-    rows: &'r mut (dyn RowBlocks<T> + Send),
-    width: usize,
-}
-
-impl<'r, T> CodedRows<'r, T> {
-    /// Creates the rows of a source with this coding.
-    pub fn new(rows: &'r mut (dyn RowBlocks<T> + Send), coding: &Coding) -> Self {
-        Self { rows, width: coding.width() }
-    }
-}
-
-impl<T> RowBlocks<T> for CodedRows<'_, T> {
-    fn nrows(&self) -> usize {
-        self.rows.nrows()
-    }
-
-    fn ncols(&self) -> usize {
-        self.width
-    }
-
-    fn read(&mut self, first: usize, out: MatMut<'_, T>) -> Result<()> {
-        self.rows.read_coded(first, out)
-    }
-}
 
 /// Calls [`for_each_block_of`] with rows, or with their coded form.
 pub(super) fn for_each_block_as<'o, T: BlasReal>(
@@ -350,6 +261,7 @@ fn times(unit: i128, value: i128) -> I256 {
 #[cfg(test)]
 mod tests {
     use faer::Mat;
+    use faer::MatMut;
 
     use super::*;
     use crate::base::{Par, Rng};

@@ -4,7 +4,7 @@
 use faer::MatMut;
 
 use super::blocks::for_each_block;
-use super::coded::Coding;
+use super::coding::Coding;
 use super::factor::Factor;
 use super::grid::RowBounds;
 use super::source::RowBlocks;

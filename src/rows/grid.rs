@@ -1,7 +1,7 @@
 //! The grid of exact sums: the unit that each column is rounded to, chosen before the first row.
 
-use super::blocks::for_each_block;
-use super::coded::{CodedRows, Coding};
+use super::blocks::{CodedRows, for_each_block};
+use super::coding::Coding;
 use super::source::RowBlocks;
 use crate::base::{Error, Par, Real, Result, push, widest, zeros};
 use crate::kernel::int8::{IntegerModuli, WIDE_BITS, power_of_two, scaled};

@@ -5,6 +5,7 @@ mod accumulator;
 mod ata;
 mod blocks;
 mod coded;
+mod coding;
 mod design;
 mod exact;
 mod extended;
@@ -26,7 +27,7 @@ mod wide;
 
 pub use accumulator::Accumulator;
 pub use ata::{Center, RowOptions, ata_extended, ata_rows};
-pub use coded::Coding;
+pub use coding::Coding;
 pub use design::{Design, DesignColumn, DesignRows, Survey};
 pub use extended::ExtendedGram;
 pub use factor::Factor;

@@ -2,7 +2,7 @@
 
 use faer::{MatMut, MatRef};
 
-use super::coded::Coding;
+use super::coding::Coding;
 use crate::base::{Real, Result};
 use crate::product::combine::convert;
 

@@ -34,7 +34,6 @@ mod whole;
 mod write;
 
 pub(super) use self::file::TextFile;
-#[cfg(feature = "columnar")]
 pub(super) use self::message::option;
 pub use self::options::{Missing, Separator, TableOptions, Words};
 #[cfg(feature = "columnar")]
