@@ -1159,7 +1159,7 @@ module catamaran
       integer(c_size_t), value :: n
       real(c_double), intent(inout), optional :: water(*), moduli(*), tails(*), rotations(*)
     end function cata_plant_wilt
-  end interface
+end interface
 
 contains
 
