@@ -260,8 +260,7 @@ fn times(unit: i128, value: i128) -> I256 {
 
 #[cfg(test)]
 mod tests {
-    use faer::Mat;
-    use faer::MatMut;
+    use faer::{Mat, MatMut};
 
     use super::*;
     use crate::base::{Par, Rng};
