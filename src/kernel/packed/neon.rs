@@ -3,11 +3,11 @@
 //! Tiles have the extents of those for AVX2 and sum in the same order.
 
 use std::arch::aarch64::*;
-use std::arch::asm;
 
 use super::kernel::instantiate;
 use super::vectors::{Vectors, low_bits};
 use crate::base::IsaLevel;
+use crate::kernel::prefetch;
 
 /// Implements `Vectors` for pairs of registers.
 macro_rules! vectors {
@@ -106,19 +106,11 @@ macro_rules! vectors {
             )*
             #[inline(always)]
             fn prefetch(address: *const $t) {
-                // SAFETY: a hint, for any address.
-                unsafe {
-                    asm!("prfm pldl1keep, [{}]", in(reg) address,
-                        options(nomem, nostack, preserves_flags));
-                }
+                prefetch::<false>(address.cast());
             }
             #[inline(always)]
             fn prefetch_far(address: *const $t) {
-                // SAFETY: a hint, for any address.
-                unsafe {
-                    asm!("prfm pldl2keep, [{}]", in(reg) address,
-                        options(nomem, nostack, preserves_flags));
-                }
+                prefetch::<true>(address.cast());
             }
         }
     };
