@@ -274,22 +274,29 @@ fn finish(sums: int32x4_t, p: i32) -> int32x4_t {
     vmlsq_n_s32(sums, quotient, p)
 }
 
-/// Corners of the pieces of a quarter whose 8 x 8 sums are held in registers.
-const CORNERS: [(usize, usize); 4] = [(0, 0), (0, 8), (8, 0), (8, 8)];
+/// The pieces of a quarter whose 8 x 8 sums are held in registers: the halves of rows and columns.
+const PIECES: [(usize, usize); 4] = [(0, 0), (0, 1), (1, 0), (1, 1)];
+
+/// Returns the registers of one half of each row, R of 2 R, in the iterations of the inner loop.
+/// The remainder saves a check in that loop.
+#[inline(always)]
+fn halves<const R: usize>(tile: &Residues, half: usize) -> impl Iterator<Item = &[[i8; 16]; R]> {
+    let rows = tile.as_chunks().0.as_chunks().0.as_chunks::<2>().0.iter();
+    rows.map(move |row| &row[half % 2])
+}
 
 /// Adds the product of two panels to the sums.
 #[target_feature(enable = "dotprod")]
 fn add_dots(left: &[Slice], right: &[Slice], sums: &mut PanelBlock<i32>) {
     for (quarter, sums) in sums.iter_mut().enumerate() {
-        for (i, j) in CORNERS {
+        for (i, j) in PIECES {
             let mut held = [[vdupq_n_s32(0); 2]; 8];
             for (left, right) in left.iter().zip(right) {
-                let (left, right) = (&left[quarter / 2], &right[quarter % 2]);
-                for (left, right) in left.as_chunks::<64>().0.iter().zip(right.as_chunks::<64>().0)
-                {
-                    let [l0, l1] = [0, 1].map(|k| load_bytes(&left.as_chunks().0[i / 4 + k]));
-                    for c in 0..2 {
-                        let r = load_bytes(&right.as_chunks().0[j / 4 + c]);
+                let left = halves::<2>(&left[quarter / 2], i);
+                for ([l0, l1], right) in left.zip(halves::<2>(&right[quarter % 2], j)) {
+                    let (l0, l1) = (load_bytes(l0), load_bytes(l1));
+                    for (c, r) in right.iter().enumerate() {
+                        let r = load_bytes(r);
                         held[0][c] = dot::<0>(held[0][c], r, l0);
                         held[1][c] = dot::<1>(held[1][c], r, l0);
                         held[2][c] = dot::<2>(held[2][c], r, l0);
@@ -301,8 +308,8 @@ fn add_dots(left: &[Slice], right: &[Slice], sums: &mut PanelBlock<i32>) {
                     }
                 }
             }
-            for (sums, held) in sums[i..].iter_mut().zip(held) {
-                for (sums, held) in sums[j..].as_chunks_mut().0.iter_mut().zip(held) {
+            for (sums, held) in sums[8 * i..].iter_mut().zip(held) {
+                for (sums, held) in sums[8 * j..].as_chunks_mut().0.iter_mut().zip(held) {
                     add_to(sums, held);
                 }
             }
@@ -338,17 +345,13 @@ fn interleave(from: &[Slice], to: &mut [Slice]) {
 #[target_feature(enable = "neon,i8mm")]
 fn add_matrices(left: &[Slice], right: &[Slice], sums: &mut PanelBlock<i32>) {
     for (quarter, sums) in sums.iter_mut().enumerate() {
-        for (i, j) in CORNERS {
+        for (i, j) in PIECES {
             let mut held = [[vdupq_n_s32(0); 4]; 4];
             for (left, right) in left.iter().zip(right) {
-                let (left, right) = (&left[quarter / 2], &right[quarter % 2]);
-                for (left, right) in
-                    left.as_chunks::<128>().0.iter().zip(right.as_chunks::<128>().0)
-                {
-                    let four = |side: &[i8; 128], first: usize| {
-                        [0, 1, 2, 3].map(|k| load_bytes(&side.as_chunks().0[first / 2 + k]))
-                    };
-                    let (l, r) = (four(left, i), four(right, j));
+                let left = halves::<4>(&left[quarter / 2], i);
+                for (left, right) in left.zip(halves::<4>(&right[quarter % 2], j)) {
+                    let load = |from: &[[i8; 16]; 4]| from.each_ref().map(|r| load_bytes(r));
+                    let (l, r) = (load(left), load(right));
                     for a in 0..4 {
                         for b in 0..4 {
                             held[a][b] = matrix_product(held[a][b], l[a], r[b]);
@@ -356,12 +359,12 @@ fn add_matrices(left: &[Slice], right: &[Slice], sums: &mut PanelBlock<i32>) {
                     }
                 }
             }
-            for (rows, held) in sums[i..].as_chunks_mut::<2>().0.iter_mut().zip(held) {
+            for (rows, held) in sums[8 * i..].as_chunks_mut::<2>().0.iter_mut().zip(held) {
                 for (k, pair) in held.as_chunks::<2>().0.iter().enumerate() {
                     let [first, second] = pair.map(|block| vreinterpretq_s64_s32(block));
                     let both = [vzip1q_s64(first, second), vzip2q_s64(first, second)];
                     for (row, sums) in rows.iter_mut().zip(both) {
-                        let at = &mut row.as_chunks_mut().0[j / 4 + k];
+                        let at = &mut row.as_chunks_mut().0[2 * j + k];
                         add_to(at, vreinterpretq_s32_s64(sums));
                     }
                 }
