@@ -3,7 +3,7 @@
 //! Most allocations of Rust abort the process when they are refused. Here an abort of a thread on
 //! which an allocation was refused becomes an error like others: a line on stderr, no unfinished
 //! output, exit status 1. An abort for any other reason still ends the process by SIGABRT, without
-//! leaving unfinished outputs either.
+//! leaving unfinished outputs either. Windows ends a process that aborts without any handler.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::any::Any;
@@ -20,6 +20,10 @@ use catamaran::io::try_discard_unfinished;
 /// How long an abort waits for a thread that is just creating or committing an output. The aborting
 /// thread may be that thread, and then the wait is in vain.
 const PATIENCE: Duration = Duration::from_millis(200);
+
+/// What `libc` has under these names on POSIX systems only.
+const STDERR: libc::c_int = 2;
+const SIG_ERR: libc::sighandler_t = !0;
 
 /// A separate line, after the one in which the standard library says how many bytes it wanted.
 const MESSAGE: &[u8] = b"catamaran: not enough memory\n";
@@ -94,9 +98,8 @@ pub fn watch() -> io::Result<()> {
     }));
     // SAFETY: the handler fits its signal, and `on_abort` says why it may do what it does.
     unsafe {
-        let mut action: libc::sigaction = std::mem::zeroed();
-        action.sa_sigaction = on_abort as extern "C" fn(libc::c_int) as libc::sighandler_t;
-        if libc::sigaction(libc::SIGABRT, &action, std::ptr::null_mut()) != 0 {
+        let handler = on_abort as extern "C" fn(libc::c_int) as libc::sighandler_t;
+        if libc::signal(libc::SIGABRT, handler) == SIG_ERR {
             return Err(io::Error::last_os_error());
         }
     }
@@ -150,7 +153,7 @@ extern "C" fn on_abort(_: libc::c_int) {
     // back, with its default effect, when this handler returns.
     unsafe {
         if is_short {
-            libc::write(libc::STDERR_FILENO, MESSAGE.as_ptr().cast(), MESSAGE.len());
+            libc::write(STDERR, MESSAGE.as_ptr().cast(), MESSAGE.len() as _);
             libc::_exit(1);
         }
         libc::signal(libc::SIGABRT, libc::SIG_DFL);

@@ -8,6 +8,13 @@
 //! SIGXFSZ is ignored: a file that grows beyond the limit of `ulimit -f` is an error of the write,
 //! as on a full disk.
 
+#[cfg(unix)]
+#[path = "signals/posix.rs"]
+mod system;
+#[cfg(windows)]
+#[path = "signals/windows.rs"]
+mod system;
+
 use std::io;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
@@ -16,8 +23,8 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use catamaran::{Error, io::discard_unfinished};
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1};
-use signal_hook::iterator::Signals;
+use signal_hook::consts::SIGTERM;
+use system::Signals;
 
 /// The time that a command has to stop by itself: with what the exit takes, less than a second.
 const GRACE: Duration = Duration::from_millis(600);
@@ -44,15 +51,7 @@ static SAVING: Mutex<()> = Mutex::new(());
 /// # Errors
 /// The operating system refuses the handlers or the thread.
 pub fn watch() -> io::Result<()> {
-    let mut wanted = vec![SIGINT, SIGTERM, SIGUSR1];
-    if !is_ignored(SIGHUP)? {
-        wanted.push(SIGHUP);
-    }
-    // SAFETY: no handler of ours runs.
-    if unsafe { libc::signal(libc::SIGXFSZ, libc::SIG_IGN) } == libc::SIG_ERR {
-        return Err(io::Error::last_os_error());
-    }
-    let signals = Signals::new(wanted)?;
+    let signals = Signals::watch()?;
     thread::Builder::new().name("signals".into()).spawn(move || serve(signals))?;
     Ok(())
 }
@@ -102,19 +101,19 @@ pub fn wait_for_end() {
 }
 
 fn serve(mut signals: Signals) {
-    let Some(first) = signals.forever().next() else { return };
+    let Some(first) = signals.wait() else { return };
     RECEIVED.store(first, Ordering::Relaxed);
     let received = Instant::now();
     let is_saving = || matches!(SAVING.try_lock(), Err(TryLockError::WouldBlock));
     let after = |second: i32| if KEEPS_STATUS.load(Ordering::Relaxed) { first } else { second };
     while received.elapsed() < GRACE || is_saving() {
-        if let Some(second) = signals.pending().next() {
+        if let Some(second) = signals.poll() {
             end(after(second));
         }
         thread::sleep(POLL);
     }
     // On a busy machine, much time may have passed since the last look.
-    end(signals.pending().next().map_or(first, after))
+    end(signals.poll().map_or(first, after))
 }
 
 /// Ends the process without destructors and exit handlers: other threads are at work.
@@ -126,16 +125,4 @@ fn end(signal: i32) -> ! {
 
 fn status_of(signal: i32) -> u8 {
     128 + signal as u8
-}
-
-fn is_ignored(signal: i32) -> io::Result<bool> {
-    let mut action = std::mem::MaybeUninit::<libc::sigaction>::uninit();
-    // SAFETY: the call only queries; `action` is as large as the result, and is read only after it
-    // was written.
-    unsafe {
-        if libc::sigaction(signal, std::ptr::null(), action.as_mut_ptr()) != 0 {
-            return Err(io::Error::last_os_error());
-        }
-        Ok(action.assume_init().sa_sigaction == libc::SIG_IGN)
-    }
 }

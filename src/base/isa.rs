@@ -7,7 +7,8 @@ use super::error::{Error, Result};
 /// The environment variable with the name of the limit.
 const VARIABLE: &str = "CATAMARAN_ISA";
 
-/// The instruction sets that kernels are written for; each level includes those before it.
+/// The instruction sets that kernels are written for; each level includes those before it that the
+/// architecture of the CPU has.
 ///
 /// ```
 /// use catamaran::base::IsaLevel;
@@ -20,6 +21,12 @@ const VARIABLE: &str = "CATAMARAN_ISA";
 pub enum IsaLevel {
     /// Plain Rust, compiled for any CPU of the architecture.
     Portable,
+    /// NEON, which every AArch64 CPU has.
+    Neon,
+    /// NEON with dot products of bytes.
+    Dotprod,
+    /// NEON with products of 2 x 8 matrices of bytes.
+    I8mm,
     /// AVX2 with FMA and BMI2.
     Avx2,
     /// AVX-512 (F, VL, DQ, BW).
@@ -32,12 +39,25 @@ pub enum IsaLevel {
 
 impl IsaLevel {
     /// All levels, the smallest first.
-    pub const ALL: [Self; 5] = [Self::Portable, Self::Avx2, Self::Avx512, Self::Vnni, Self::Amx];
+    pub const ALL: [Self; 8] = [
+        Self::Portable,
+        Self::Neon,
+        Self::Dotprod,
+        Self::I8mm,
+        Self::Avx2,
+        Self::Avx512,
+        Self::Vnni,
+        Self::Amx,
+    ];
 
-    /// Returns the name that `CATAMARAN_ISA` takes: `portable`, `avx2`, `avx512`, `vnni` or `amx`.
+    /// Returns the name that `CATAMARAN_ISA` takes: `portable`, `neon`, `dotprod`, `i8mm`, `avx2`,
+    /// `avx512`, `vnni` or `amx`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Portable => "portable",
+            Self::Neon => "neon",
+            Self::Dotprod => "dotprod",
+            Self::I8mm => "i8mm",
             Self::Avx2 => "avx2",
             Self::Avx512 => "avx512",
             Self::Vnni => "vnni",
@@ -130,7 +150,10 @@ fn parse(text: &str) -> std::result::Result<IsaLevel, String> {
         return Ok(IsaLevel::Amx);
     }
     let found = IsaLevel::ALL.into_iter().find(|level| level.name() == text);
-    found.ok_or_else(|| format!("must be portable, avx2, avx512, vnni or amx, not {text:?}"))
+    found.ok_or_else(|| {
+        let [others @ .., last] = IsaLevel::ALL.map(IsaLevel::name);
+        format!("must be {} or {last}, not {text:?}", others.join(", "))
+    })
 }
 
 #[cfg(test)]
@@ -146,7 +169,8 @@ mod tests {
         assert_eq!(parse(" "), Ok(IsaLevel::Amx));
         for text in ["AVX2", "avx", "avx3", "none", "avx2,fma"] {
             let why = parse(text).unwrap_err();
-            assert!(why.contains("must be portable, avx2,") && why.contains(text), "{why}");
+            let all = "must be portable, neon, dotprod, i8mm, avx2, avx512, vnni or amx, not ";
+            assert!(why.contains(all) && why.contains(text), "{why}");
         }
     }
 

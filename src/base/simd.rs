@@ -27,7 +27,9 @@ pub(crate) fn widest<R>(work: impl FnOnce() -> R) -> R {
 /// Returns the widest SIMD registers of this CPU that the limit of this process permits.
 #[inline]
 pub fn arch() -> Arch {
-    if IsaLevel::Avx512.permitted().is_ok() {
+    const ALL: IsaLevel =
+        if cfg!(target_arch = "aarch64") { IsaLevel::Neon } else { IsaLevel::Avx512 };
+    if ALL.permitted().is_ok() {
         return Arch::new();
     }
     #[cfg(target_arch = "x86_64")]

@@ -1,6 +1,6 @@
 use std::sync::OnceLock;
 
-#[cfg(target_arch = "x86_64")]
+#[cfg(any(target_arch = "aarch64", target_arch = "x86_64"))]
 use super::isa::IsaLevel;
 
 /// Version of this crate, `major.minor.patch`.
@@ -43,13 +43,21 @@ pub fn version() -> VersionNumber {
 pub fn cpu_features() -> Vec<&'static str> {
     #[allow(unused_mut)]
     let mut found = Vec::new();
+    #[cfg(any(target_arch = "aarch64", target_arch = "x86_64"))]
+    let mut add = |level: IsaLevel, detected, name| {
+        if detected && level.permitted().is_ok() {
+            found.push(name);
+        }
+    };
+    #[cfg(target_arch = "aarch64")]
+    {
+        use std::arch::is_aarch64_feature_detected;
+        add(IsaLevel::Neon, true, "neon");
+        add(IsaLevel::Dotprod, is_aarch64_feature_detected!("dotprod"), "dotprod");
+        add(IsaLevel::I8mm, is_aarch64_feature_detected!("i8mm"), "i8mm");
+    }
     #[cfg(target_arch = "x86_64")]
     {
-        let mut add = |level: IsaLevel, detected, name| {
-            if detected && level.permitted().is_ok() {
-                found.push(name);
-            }
-        };
         add(IsaLevel::Avx2, is_x86_feature_detected!("avx2"), "avx2");
         add(IsaLevel::Avx2, is_x86_feature_detected!("fma"), "fma");
         add(IsaLevel::Avx512, is_x86_feature_detected!("avx512f"), "avx512f");
@@ -90,6 +98,19 @@ fn data_cache(level: u32) -> Option<usize> {
                 }
             }
         }
+        None
     }
-    None
+    #[cfg(not(target_arch = "x86_64"))]
+    {
+        // As Linux describes the caches of a core, in KiB; other systems have no such files.
+        (0..8).find_map(|i| {
+            let read = |name: &str| {
+                let path = format!("/sys/devices/system/cpu/cpu0/cache/index{i}/{name}");
+                Some(std::fs::read_to_string(path).ok()?.trim().to_owned())
+            };
+            let wanted = read("level")? == level.to_string() && read("type")? != "Instruction";
+            let size = wanted.then(|| read("size")).flatten()?;
+            Some(size.strip_suffix('K')?.parse::<usize>().ok()? << 10)
+        })
+    }
 }

@@ -3,6 +3,18 @@
 pub mod int8;
 pub mod packed;
 
+/// Prefetches a cache line into the first-level cache, or into the second-level one if `FAR`; any
+/// address is allowed.
+#[cfg(target_arch = "aarch64")]
+#[inline(always)]
+fn prefetch<const FAR: bool>(address: *const u8) {
+    // SAFETY: a hint, which reads nothing.
+    unsafe {
+        std::arch::asm!("prfm {level}, [{address}]", level = const 2 * FAR as u8,
+            address = in(reg) address, options(nomem, nostack, preserves_flags));
+    }
+}
+
 /// Orders the non-temporal stores (past the caches) of this thread before its later stores, for
 /// other threads. Does nothing unless `past_caches`.
 #[inline]

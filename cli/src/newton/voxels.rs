@@ -20,7 +20,8 @@ impl Basins {
         if text == "all" {
             return Ok(Self(None));
         }
-        let numbers: Result<Vec<u16>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+        let numbers: Result<Vec<u16>, _> =
+            text.split(',').map(|n| n.trim().parse::<u16>()).collect();
         match numbers {
             Ok(mut numbers) => {
                 numbers.sort_unstable();

@@ -60,7 +60,8 @@ fn the_limit_on_instruction_sets_is_shown_and_kept_and_a_wrong_one_is_an_error()
     for arguments in [&["info"][..], &["ata", "a.csv", "-o", "c.npy"]] {
         let refused = run("avx3", arguments);
         assert_eq!(refused.code, Some(1), "{}", refused.stderr);
-        let what = "CATAMARAN_ISA: must be portable, avx2, avx512, vnni or amx, not \"avx3\"";
+        let what = "CATAMARAN_ISA: must be portable, neon, dotprod, i8mm, avx2, avx512, vnni or \
+            amx, not \"avx3\"";
         assert!(refused.stderr.contains(what), "{}", refused.stderr);
     }
     assert!(!folder.path("c.npy").exists());

@@ -19,6 +19,13 @@ pub(crate) static PORTABLE: portable::Portable = portable::Portable;
 pub(crate) fn kernels() -> Vec<(&'static str, &'static dyn Kernel)> {
     #[allow(unused_mut)]
     let mut found: Vec<(&'static str, &'static dyn Kernel)> = vec![("portable", &PORTABLE)];
+    #[cfg(target_arch = "aarch64")]
+    for isa in [IntegerIsa::Dotprod, IntegerIsa::I8mm] {
+        match isa.refusal() {
+            None => found.push((isa.name(), isa.kernel())),
+            Some(why) => println!("skipped: {}, {why}", isa.name()),
+        }
+    }
     #[cfg(target_arch = "x86_64")]
     {
         if let Ok(kernel) = avx2::Avx2::new() {

@@ -119,7 +119,11 @@ pub(crate) fn fetch_lines<T>(at: *const T, count: usize) {
         // SAFETY: a hint, which reads nothing.
         unsafe { _mm_prefetch::<_MM_HINT_T0>(at.cast::<i8>().wrapping_add(64 * line)) };
     }
-    #[cfg(not(target_arch = "x86_64"))]
+    #[cfg(target_arch = "aarch64")]
+    for line in 0..count {
+        crate::kernel::prefetch::<false>(at.cast::<u8>().wrapping_add(64 * line));
+    }
+    #[cfg(not(any(target_arch = "aarch64", target_arch = "x86_64")))]
     let _ = (at, count);
 }
 

@@ -1,5 +1,7 @@
 //! The instruction sets, and which of them this machine supports.
 
+#[cfg(target_arch = "aarch64")]
+use super::neon::Neon;
 #[cfg(target_arch = "x86_64")]
 use super::x86::{Avx2, Avx512};
 
@@ -19,19 +21,22 @@ pub enum FloatIsa {
     Avx512,
     /// AVX2 with FMA and BMI2.
     Avx2,
+    /// NEON, which every AArch64 CPU has.
+    Neon,
     /// Plain Rust.
     Portable,
 }
 
 impl FloatIsa {
     /// All instruction sets, the fastest first.
-    pub const ALL: [Self; 3] = [Self::Avx512, Self::Avx2, Self::Portable];
+    pub const ALL: [Self; 4] = [Self::Avx512, Self::Avx2, Self::Neon, Self::Portable];
 
-    /// Returns the short name: `avx512`, `avx2` or `portable`.
+    /// Returns the short name: `avx512`, `avx2`, `neon` or `portable`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Avx512 => "avx512",
             Self::Avx2 => "avx2",
+            Self::Neon => "neon",
             Self::Portable => "portable",
         }
     }
@@ -51,6 +56,10 @@ impl FloatIsa {
             Self::Avx2 => Avx2::new().err(),
             #[cfg(not(target_arch = "x86_64"))]
             Self::Avx512 | Self::Avx2 => Some("not an x86-64 CPU"),
+            #[cfg(target_arch = "aarch64")]
+            Self::Neon => Neon::new().err(),
+            #[cfg(not(target_arch = "aarch64"))]
+            Self::Neon => Some("not an AArch64 CPU"),
             Self::Portable => None,
         }
     }

@@ -6,14 +6,16 @@
 //! (docs/algorithms/ata.md). Narrow matrices stored by rows are not packed but read in place.
 //!
 //! The algorithm (`pack`, `tile`, `in_place`, `write`) is written once in terms of `vectors`, and
-//! instantiated for each instruction set (`kernel`, `portable`, `x86`). `schedule` runs it on many
-//! threads, `small` on one without preparations.
+//! instantiated for each instruction set (`kernel`, `portable`, `neon`, `x86`). `schedule` runs it
+//! on many threads, `small` on one without preparations.
 
 mod blocking;
 mod geometry;
 mod in_place;
 mod isa;
 mod kernel;
+#[cfg(target_arch = "aarch64")]
+mod neon;
 mod operand;
 mod operands;
 mod pack;

@@ -2,6 +2,8 @@
 
 use super::isa::FloatIsa;
 use super::kernel::Kernel;
+#[cfg(target_arch = "aarch64")]
+use super::neon::Neon;
 use super::portable::Portable;
 #[cfg(target_arch = "x86_64")]
 use super::x86::{Avx2, Avx512};
@@ -34,6 +36,8 @@ pub(crate) mod sealed {
                         FloatIsa::Avx512 => Avx512::new().map_or(portable, |kernel| kernel),
                         #[cfg(target_arch = "x86_64")]
                         FloatIsa::Avx2 => Avx2::new().map_or(portable, |kernel| kernel),
+                        #[cfg(target_arch = "aarch64")]
+                        FloatIsa::Neon => Neon::new().map_or(portable, |kernel| kernel),
                         _ => portable,
                     }
                 }

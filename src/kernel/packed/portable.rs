@@ -7,7 +7,7 @@ use crate::base::Real;
 
 pub(super) struct Portable;
 
-/// Vectors of N scalars: of 16 bytes, which every x86-64 CPU has.
+/// Vectors of N scalars: of 16 bytes, which every x86-64 and AArch64 CPU has.
 pub(super) struct Array<T, const N: usize>(std::marker::PhantomData<T>);
 
 impl<T: Real, const N: usize> Vectors for Array<T, N> {

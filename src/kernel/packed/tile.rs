@@ -226,12 +226,7 @@ impl<T: Real> Tile<T> {
                 V::prefetch(right_ahead.wrapping_add(j * V::LANES));
             }
             V::prefetch(self.left.wrapping_offset(AHEAD * self.left_stride));
-            for i in 0..ROWS {
-                let l = V::splat(*self.left.add(i));
-                for j in 0..N {
-                    tile[i][j] = V::mul_add(l, r[j], tile[i][j]);
-                }
-            }
+            V::add_products(self.left, r, tile);
             self.left = self.left.wrapping_offset(self.left_stride);
             self.right = self.right.wrapping_offset(self.right_stride);
         }

@@ -58,11 +58,31 @@ pub(super) trait Vectors {
     /// # Safety
     /// There is room for these lanes.
     unsafe fn store_masked(to: *mut Self::Scalar, mask: Self::Mask, vector: Self::Vector);
-    /// Returns `a b + c`, rounded once by AVX2 and AVX-512 and twice by the portable vectors.
+    /// Returns `a b + c`, rounded twice by the portable vectors and once by all others.
     ///
     /// # Safety
     /// As for [`Vectors::splat`].
     unsafe fn mul_add(a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
+    /// Adds to each row of a tile the product of its scalar of the left side with the right side.
+    ///
+    /// # Safety
+    /// `left` points to ROWS scalars.
+    #[inline(always)]
+    unsafe fn add_products<const ROWS: usize, const N: usize>(
+        left: *const Self::Scalar,
+        right: [Self::Vector; N],
+        tile: &mut [[Self::Vector; N]; ROWS],
+    ) {
+        // SAFETY: the caller's promise.
+        unsafe {
+            for i in 0..ROWS {
+                let l = Self::splat(*left.add(i));
+                for j in 0..N {
+                    tile[i][j] = Self::mul_add(l, right[j], tile[i][j]);
+                }
+            }
+        }
+    }
     /// Returns `a + b`.
     ///
     /// # Safety
@@ -96,6 +116,6 @@ pub(super) trait Vectors {
 
 /// Returns a number with the lowest `count` bits set, at most 63.
 #[inline(always)]
-pub(super) fn low_bits(count: usize) -> u64 {
+pub(super) const fn low_bits(count: usize) -> u64 {
     (1 << count) - 1
 }

@@ -37,6 +37,8 @@ impl Rates {
         let flops = match isa {
             FloatIsa::Avx512 => 85e9,
             FloatIsa::Avx2 => 50e9,
+            // Two FMA pipelines at 3 GHz; not measured.
+            FloatIsa::Neon => 24e9,
             FloatIsa::Portable => 14e9,
         };
         Self { flops, read_bytes: 15e9, pack_bytes: 20e9, update_bytes: 20e9 }
