@@ -42,10 +42,8 @@ pub(super) unsafe fn multiply_in_place<V: Vectors, const ROWS: usize, const COUN
     let InPlace { steps, left, right, ref cols, targets, .. } = *product;
     let mut sums = product.sums;
     // Sums that are not read again and go to one target are written from registers.
-    let direct = match targets {
-        [target] if V::MASKED_STORES && product.last && !product.kept && target.is_plain() => {
-            Some(target)
-        }
+    let only = match targets {
+        [target] if product.last && !product.kept && target.is_plain() => Some(target),
         _ => None,
     };
     let mut row = product.rows.start;
@@ -60,10 +58,16 @@ pub(super) unsafe fn multiply_in_place<V: Vectors, const ROWS: usize, const COUN
         while col < end {
             let width = V::WIDTH.min(end - col);
             let count = width.div_ceil(V::LANES);
+            // Without registers for masks, only tiles of whole vectors that are wanted.
+            let direct = only.filter(|target| {
+                V::MASK_REGISTERS
+                    || width.is_multiple_of(V::LANES)
+                        && target.takes_whole(row..row + height, col..col + width)
+            });
             // SAFETY: the caller's promise; the tile lies inside of the sides.
             unsafe {
                 let tail = V::mask(low_bits(width - (count - 1) * V::LANES));
-                let tile = Tile {
+                let mut tile = Tile {
                     steps,
                     left: left.start.wrapping_add(row),
                     left_stride: left.row_stride,
@@ -72,7 +76,23 @@ pub(super) unsafe fn multiply_in_place<V: Vectors, const ROWS: usize, const COUN
                     sums,
                     add: product.add,
                 };
-                part_of_tile::<V, ROWS, COUNT>(tile, (row, col), height, count, tail, direct);
+                let corner = (row, col);
+                if V::MASK_REGISTERS {
+                    part_of_tile::<V, ROWS, COUNT, true>(tile, corner, height, count, tail, direct);
+                } else {
+                    // A mask would take a register of the sums: a partial vector by itself.
+                    let whole = width / V::LANES;
+                    if whole > 0 {
+                        part_of_tile::<V, ROWS, COUNT, false>(
+                            tile, corner, height, whole, tail, direct,
+                        );
+                    }
+                    if whole < count {
+                        tile.right = tile.right.add(whole * V::LANES);
+                        tile.sums = tile.sums.add(whole * V::LANES);
+                        part_of_tile::<V, ROWS, 1, true>(tile, corner, height, 1, tail, None);
+                    }
+                }
                 if product.last && direct.is_none() {
                     for target in targets {
                         write::<V>(sums, target, row, col, height, width);
@@ -88,13 +108,14 @@ pub(super) unsafe fn multiply_in_place<V: Vectors, const ROWS: usize, const COUN
     }
 }
 
-/// Computes `height` rows and `count` vectors of a tile, the last vector in the lanes `tail`, and
-/// reads nothing else. Writes the sums to `target` at `(row, col)`, or without a target to memory.
+/// Computes `height` rows and `count` vectors of a tile, of the last vector the lanes `tail` if
+/// `MASKED`, and reads nothing else. Writes the sums to `target` at `(row, col)`, or without a
+/// target to memory.
 ///
 /// # Safety
 /// As for [`multiply_in_place`].
 #[inline(always)]
-unsafe fn part_of_tile<V: Vectors, const ROWS: usize, const COUNT: usize>(
+unsafe fn part_of_tile<V: Vectors, const ROWS: usize, const COUNT: usize, const MASKED: bool>(
     mut tile: Tile<V::Scalar>,
     (mut row, col): (usize, usize),
     mut height: usize,
@@ -104,10 +125,10 @@ unsafe fn part_of_tile<V: Vectors, const ROWS: usize, const COUNT: usize>(
 ) {
     macro_rules! part {
         ($rows:expr, $count:expr) => {{
-            let sums = tile.multiply::<V, { $rows }, { $count }, true>(tail, &[]);
+            let sums = tile.multiply::<V, { $rows }, { $count }, MASKED>(tail, &[]);
             match target {
                 Some(target) => {
-                    write_registers::<V, { $rows }, { $count }, true>(sums, target, row, col)
+                    write_registers::<V, { $rows }, { $count }, MASKED>(sums, target, row, col)
                 }
                 None => tile.store::<V, { $rows }, { $count }>(sums),
             }

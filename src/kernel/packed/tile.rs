@@ -87,9 +87,10 @@ pub(super) unsafe fn multiply_row<V: Vectors, const ROWS: usize, const COUNT: us
             let tile = Tile {
                 steps: row.steps,
                 left: row.left.start,
-                left_stride: row.left.row_stride,
+                // Constants, although the sides know them: addresses become offsets.
+                left_stride: V::WIDTH as isize,
                 right: row.right.start.add(j * row.right.panel_stride + first * V::LANES),
-                right_stride: row.right.row_stride,
+                right_stride: V::WIDTH as isize,
                 sums: sums.add(first * V::LANES),
                 add: row.add,
             };
