@@ -56,7 +56,13 @@ pub(super) unsafe fn multiply_in_place<V: Vectors, const ROWS: usize, const COUN
         let end = wanted.end.min(cols.end);
         let mut col = cols.start.max(wanted.start / V::LANES * V::LANES);
         while col < end {
-            let width = V::WIDTH.min(end - col);
+            let width = match end - col {
+                // Two tiles of two vectors each: one of a single vector would wait for its sums.
+                rest if !V::MASK_REGISTERS && rest.div_ceil(V::LANES) == V::COUNT + 1 => {
+                    V::LANES * V::COUNT.div_ceil(2)
+                }
+                rest => V::WIDTH.min(rest),
+            };
             let count = width.div_ceil(V::LANES);
             // Without registers for masks, only tiles of whole vectors that are wanted.
             let direct = only.filter(|target| {
@@ -102,7 +108,7 @@ pub(super) unsafe fn multiply_in_place<V: Vectors, const ROWS: usize, const COUN
                     sums = sums.add(V::ROWS * V::WIDTH);
                 }
             }
-            col += V::WIDTH;
+            col += width;
         }
         row += V::ROWS;
     }
@@ -125,7 +131,7 @@ unsafe fn part_of_tile<V: Vectors, const ROWS: usize, const COUNT: usize, const 
 ) {
     macro_rules! part {
         ($rows:expr, $count:expr) => {{
-            let sums = tile.multiply::<V, { $rows }, { $count }, MASKED>(tail, &[]);
+            let sums = tile.multiply::<V, { $rows }, { $count }, MASKED>(tail, None);
             match target {
                 Some(target) => {
                     write_registers::<V, { $rows }, { $count }, MASKED>(sums, target, row, col)

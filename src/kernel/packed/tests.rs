@@ -826,7 +826,7 @@ fn check_small<T: FloatOperand>(rng: &mut Rng) {
             for cols in EXTENTS {
                 let same = rows == cols && below(rng, 2) == 0;
                 let shape = Shape { depth, rows, cols, same };
-                if !is_small(shape) {
+                if !is_small(shape, true) {
                     continue;
                 }
                 let mut spec = spec(shape, (1, usize::from(!same)), (1, 1), rng);

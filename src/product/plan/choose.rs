@@ -102,8 +102,8 @@ fn is_direct(native: &Native, problem: &Problem, options: &AtaOptions<'_>) -> bo
 }
 
 fn direct(native: &Native) -> Choice {
-    /// Most seconds of a direct product: the work of 30 microseconds.
-    const SECONDS: f64 = 3e-5;
+    /// Most seconds of a direct product.
+    const SECONDS: f64 = 2e-4;
     let strategy = Strategy::Direct(native.isa());
     Choice { strategy, seconds: SECONDS, classical_seconds: SECONDS }
 }
