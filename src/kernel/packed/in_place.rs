@@ -85,19 +85,28 @@ pub(super) unsafe fn multiply_in_place<V: Vectors, const ROWS: usize, const COUN
                 let corner = (row, col);
                 if V::MASK_REGISTERS {
                     part_of_tile::<V, ROWS, COUNT, true>(tile, corner, height, count, tail, direct);
+                } else if width.is_multiple_of(V::LANES) {
+                    part_of_tile::<V, ROWS, COUNT, false>(
+                        tile, corner, height, count, tail, direct,
+                    );
                 } else {
-                    // A mask would take a register of the sums: a partial vector by itself.
-                    let whole = width / V::LANES;
+                    // Beside a mask there are registers for the sums of two vectors.
+                    let whole = if count > 2 { count - 1 } else { 0 };
                     if whole > 0 {
                         part_of_tile::<V, ROWS, COUNT, false>(
-                            tile, corner, height, whole, tail, direct,
+                            tile, corner, height, whole, tail, None,
                         );
-                    }
-                    if whole < count {
                         tile.right = tile.right.add(whole * V::LANES);
                         tile.sums = tile.sums.add(whole * V::LANES);
-                        part_of_tile::<V, ROWS, 1, true>(tile, corner, height, 1, tail, None);
                     }
+                    part_of_tile::<V, ROWS, 2, true>(
+                        tile,
+                        corner,
+                        height,
+                        count - whole,
+                        tail,
+                        None,
+                    );
                 }
                 if product.last && direct.is_none() {
                     for target in targets {

@@ -1,5 +1,7 @@
 //! One suite for every isa, against the definition in integers, which are exact.
 
+mod ladder;
+
 use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
