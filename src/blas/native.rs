@@ -54,10 +54,10 @@ impl Native {
         self.rates
     }
 
-    /// Returns whether a product ends before it could be planned: at most about 30 microseconds.
+    /// Returns whether a product ends before it could be shared by threads.
     #[inline]
     pub(crate) fn is_small(&self, m: usize, n: usize, k: usize, same: bool) -> bool {
-        is_small(Shape { depth: m, rows: n, cols: k, same })
+        is_small(Shape { depth: m, rows: n, cols: k, same }, true)
     }
 
     /// Computes one part of `C := alpha A^T B + beta C`. B is A when `None`. A request to stop
@@ -83,7 +83,10 @@ impl Native {
         let destination = Destination::new(c, part);
         let kernel = T::kernel(self.isa);
         let mut shape = Shape { depth: a.nrows(), rows: n, cols: k, same: b.is_none() };
-        if !is_small(shape) {
+        let source = |matrix| Source { coefficient: T::ONE, matrix, scale: None };
+        let (mut left, mut right) = (source(a), source(b.unwrap_or(a)));
+        let plain = left.is_plain(shape.depth, n) && right.is_plain(shape.depth, k);
+        if !is_small(shape, plain) {
             return large_product(
                 kernel,
                 alpha,
@@ -96,8 +99,6 @@ impl Native {
                 progress,
             );
         }
-        let source = |matrix| Source { coefficient: T::ONE, matrix, scale: None };
-        let (mut left, mut right) = (source(a), source(b.unwrap_or(a)));
         let mut target = destination.block(0..n, 0..k, alpha, beta);
         if by_columns {
             (left, right) = (right, left);

@@ -23,7 +23,6 @@ mod simple;
 mod sparse;
 mod verify;
 
-use faer::prelude::Reborrow;
 use faer::{MatMut, MatRef};
 
 pub use complex::{ComplexPlan, aha_into, aha_planned, ahb_into, ahb_planned};
@@ -38,10 +37,11 @@ pub use verify::{Verification, verify};
 #[cfg(feature = "mpi")]
 pub(crate) use verify::{check_rounds, refuse_non_finite, signs, verdict};
 
-pub(crate) use execute::{Product, execute};
+pub(crate) use execute::{Product, execute, execute_direct};
 
 use crate::base::{Error, Result};
 use crate::blas::BlasReal;
+use plan::{Op, Problem};
 
 /// Computes `C := alpha A^T A + beta C`, the triangle or triangles of `options.uplo`.
 ///
@@ -69,7 +69,9 @@ pub fn ata_into<T: BlasReal>(
     c: MatMut<'_, T>,
     options: &AtaOptions<'_>,
 ) -> Result<()> {
-    run(&gram_plan(a, c.rb(), options)?, gram(alpha, a, beta, c, options), options, None)
+    let n = a.ncols();
+    Error::check_shape("C", (n, n), c.shape())?;
+    compute(Op::Syrk, Product { alpha, a, b: None, beta, c, uplo: Some(options.uplo) }, options)
 }
 
 /// Computes `C := alpha A A^T + beta C`: [`ata_into`] of the transposed view. A is m x n, C is
@@ -123,38 +125,20 @@ pub fn atb_into<T: BlasReal>(
     c: MatMut<'_, T>,
     options: &AtaOptions<'_>,
 ) -> Result<()> {
-    let plan = atb_plan(a, b, c.rb(), options)?;
-    run(&plan, Product { alpha, a, b: Some(b), beta, c, uplo: None }, options, None)
-}
-
-/// Returns the plan of `A^T A`.
-fn gram_plan<T: BlasReal>(
-    a: MatRef<'_, T>,
-    c: MatRef<'_, T>,
-    options: &AtaOptions<'_>,
-) -> Result<Plan> {
-    let (m, n) = a.shape();
-    Error::check_shape("C", (n, n), c.shape())?;
-    Plan::ata::<T>(m, n, options)
-}
-
-fn gram<'p, T>(
-    alpha: T,
-    a: MatRef<'p, T>,
-    beta: T,
-    c: MatMut<'p, T>,
-    options: &AtaOptions<'_>,
-) -> Product<'p, T> {
-    Product { alpha, a, b: None, beta, c, uplo: Some(options.uplo) }
-}
-
-fn atb_plan<T: BlasReal>(
-    a: MatRef<'_, T>,
-    b: MatRef<'_, T>,
-    c: MatRef<'_, T>,
-    options: &AtaOptions<'_>,
-) -> Result<Plan> {
     Error::check_shape("B", (a.nrows(), b.ncols()), b.shape())?;
     Error::check_shape("C", (a.ncols(), b.ncols()), c.shape())?;
-    Plan::atb::<T>(a.nrows(), a.ncols(), b.ncols(), options)
+    compute(Op::Gemm, Product { alpha, a, b: Some(b), beta, c, uplo: None }, options)
+}
+
+/// Computes a product by a plan, or one that is too small for a plan directly: a plan takes as long
+/// as a product of ten columns.
+#[inline]
+fn compute<T: BlasReal>(op: Op, product: Product<'_, T>, options: &AtaOptions<'_>) -> Result<()> {
+    options.check()?;
+    let (m, n, k) = (product.a.nrows(), product.c.nrows(), product.c.ncols());
+    let problem = Problem::new(op, m, n, k)?;
+    if plan::direct_kernels(&problem, options).is_some() {
+        return execute_direct(op, product, options);
+    }
+    run(&Plan::new::<T>(op, m, n, k, options)?, product, options, None)
 }

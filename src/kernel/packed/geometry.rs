@@ -33,15 +33,3 @@ pub(super) const CACHE_LINE: usize = 64;
 pub(super) const fn line_len<T>() -> usize {
     CACHE_LINE / size_of::<T>()
 }
-
-/// Cache lines to prefetch: some at each of several places.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Stream<T> {
-    pub start: *const T,
-    /// Scalars from one place to the next.
-    pub stride: isize,
-    /// Number of places.
-    pub count: usize,
-    /// Lines at each place.
-    pub lines: usize,
-}

@@ -42,10 +42,8 @@ pub(super) unsafe fn multiply_in_place<V: Vectors, const ROWS: usize, const COUN
     let InPlace { steps, left, right, ref cols, targets, .. } = *product;
     let mut sums = product.sums;
     // Sums that are not read again and go to one target are written from registers.
-    let direct = match targets {
-        [target] if V::MASKED_STORES && product.last && !product.kept && target.is_plain() => {
-            Some(target)
-        }
+    let only = match targets {
+        [target] if product.last && !product.kept && target.is_plain() => Some(target),
         _ => None,
     };
     let mut row = product.rows.start;
@@ -58,12 +56,24 @@ pub(super) unsafe fn multiply_in_place<V: Vectors, const ROWS: usize, const COUN
         let end = wanted.end.min(cols.end);
         let mut col = cols.start.max(wanted.start / V::LANES * V::LANES);
         while col < end {
-            let width = V::WIDTH.min(end - col);
+            let width = match end - col {
+                // Two tiles of two vectors each: one of a single vector would wait for its sums.
+                rest if !V::MASK_REGISTERS && rest.div_ceil(V::LANES) == V::COUNT + 1 => {
+                    V::LANES * V::COUNT.div_ceil(2)
+                }
+                rest => V::WIDTH.min(rest),
+            };
             let count = width.div_ceil(V::LANES);
+            // Without registers for masks, only tiles of whole vectors that are wanted.
+            let direct = only.filter(|target| {
+                V::MASK_REGISTERS
+                    || width.is_multiple_of(V::LANES)
+                        && target.takes_whole(row..row + height, col..col + width)
+            });
             // SAFETY: the caller's promise; the tile lies inside of the sides.
             unsafe {
                 let tail = V::mask(low_bits(width - (count - 1) * V::LANES));
-                let tile = Tile {
+                let mut tile = Tile {
                     steps,
                     left: left.start.wrapping_add(row),
                     left_stride: left.row_stride,
@@ -72,7 +82,32 @@ pub(super) unsafe fn multiply_in_place<V: Vectors, const ROWS: usize, const COUN
                     sums,
                     add: product.add,
                 };
-                part_of_tile::<V, ROWS, COUNT>(tile, (row, col), height, count, tail, direct);
+                let corner = (row, col);
+                if V::MASK_REGISTERS {
+                    part_of_tile::<V, ROWS, COUNT, true>(tile, corner, height, count, tail, direct);
+                } else if width.is_multiple_of(V::LANES) {
+                    part_of_tile::<V, ROWS, COUNT, false>(
+                        tile, corner, height, count, tail, direct,
+                    );
+                } else {
+                    // Beside a mask there are registers for the sums of two vectors.
+                    let whole = if count > 2 { count - 1 } else { 0 };
+                    if whole > 0 {
+                        part_of_tile::<V, ROWS, COUNT, false>(
+                            tile, corner, height, whole, tail, None,
+                        );
+                        tile.right = tile.right.add(whole * V::LANES);
+                        tile.sums = tile.sums.add(whole * V::LANES);
+                    }
+                    part_of_tile::<V, ROWS, 2, true>(
+                        tile,
+                        corner,
+                        height,
+                        count - whole,
+                        tail,
+                        None,
+                    );
+                }
                 if product.last && direct.is_none() {
                     for target in targets {
                         write::<V>(sums, target, row, col, height, width);
@@ -82,19 +117,20 @@ pub(super) unsafe fn multiply_in_place<V: Vectors, const ROWS: usize, const COUN
                     sums = sums.add(V::ROWS * V::WIDTH);
                 }
             }
-            col += V::WIDTH;
+            col += width;
         }
         row += V::ROWS;
     }
 }
 
-/// Computes `height` rows and `count` vectors of a tile, the last vector in the lanes `tail`, and
-/// reads nothing else. Writes the sums to `target` at `(row, col)`, or without a target to memory.
+/// Computes `height` rows and `count` vectors of a tile, of the last vector the lanes `tail` if
+/// `MASKED`, and reads nothing else. Writes the sums to `target` at `(row, col)`, or without a
+/// target to memory.
 ///
 /// # Safety
 /// As for [`multiply_in_place`].
 #[inline(always)]
-unsafe fn part_of_tile<V: Vectors, const ROWS: usize, const COUNT: usize>(
+unsafe fn part_of_tile<V: Vectors, const ROWS: usize, const COUNT: usize, const MASKED: bool>(
     mut tile: Tile<V::Scalar>,
     (mut row, col): (usize, usize),
     mut height: usize,
@@ -104,10 +140,10 @@ unsafe fn part_of_tile<V: Vectors, const ROWS: usize, const COUNT: usize>(
 ) {
     macro_rules! part {
         ($rows:expr, $count:expr) => {{
-            let sums = tile.multiply::<V, { $rows }, { $count }, true>(tail, &[]);
+            let sums = tile.multiply::<V, { $rows }, { $count }, MASKED>(tail, None);
             match target {
                 Some(target) => {
-                    write_registers::<V, { $rows }, { $count }, true>(sums, target, row, col)
+                    write_registers::<V, { $rows }, { $count }, MASKED>(sums, target, row, col)
                 }
                 None => tile.store::<V, { $rows }, { $count }>(sums),
             }

@@ -66,7 +66,7 @@ pub(crate) struct Shape {
 
 /// Most panels of a side that is read in place: with more panels, rows are read so often that
 /// packing pays. Measured on Zen 4.
-const PANELS_IN_PLACE: usize = 2;
+pub(super) const PANELS_IN_PLACE: usize = 2;
 
 impl<'a, T: Real> KernelProduct<'a, T> {
     /// Returns the sources of the left (0) or right (1) side.

@@ -17,7 +17,7 @@ impl<T: Real, const N: usize> Vectors for Array<T, N> {
     const LANES: usize = N;
     const ROWS: usize = 4;
     const COUNT: usize = 2;
-    const MASKED_STORES: bool = false;
+    const MASK_REGISTERS: bool = false;
 
     #[inline(always)]
     unsafe fn splat(x: T) -> [T; N] {

@@ -4,15 +4,15 @@
 use std::mem::MaybeUninit;
 
 use super::blocking::{Blocking, DEPTH};
-use super::geometry::{Area, Geometry};
+use super::geometry::{Area, CACHE_LINE, Geometry};
 use super::in_place::InPlace;
 use super::kernel::Kernel;
-use super::operands::{Shape, Source};
+use super::operands::{PANELS_IN_PLACE, Shape, Source};
 use super::pack::Panels;
 use super::target::Target;
 use super::tile::{Row, Side};
 use super::write::LARGEST_TILE;
-use crate::base::Real;
+use crate::base::{Real, data_caches};
 
 /// Scalars of the memory on the stack that a chunk is packed into.
 const PACKED: usize = 9216;
@@ -20,21 +20,28 @@ const PACKED: usize = 9216;
 /// Columns of the widest panel, f32 with AVX-512.
 const WIDEST: usize = 48;
 
-/// Most scalar multiplications of a small product: about 30 microseconds.
-const WORK: usize = 1 << 20;
+/// Most scalar multiplications of a small product of plain sources: what one thread computes before
+/// another has woken up.
+const WORK: usize = 4_000_000;
+
+/// The same if sources must be packed, a few rows at a time: about 30 microseconds.
+const PACKED_WORK: usize = 1 << 20;
 
 /// Least number of rows packed at a time, if there are as many: fewer steps are slow.
 const LEAST_DEPTH: usize = 32;
 
-/// Returns whether to use [`run_small`]: for little work on few columns. Without divisions, since
-/// every call of a product asks.
+/// Returns whether to use [`run_small`]: for little work on few columns of sources, which may all
+/// be `plain` ([`Source::is_plain`]). Without divisions, since every call of a product asks.
 #[inline]
-pub(crate) fn is_small(shape: Shape) -> bool {
+pub(crate) fn is_small(shape: Shape, plain: bool) -> bool {
     let Shape { depth: m, rows, cols, same } = shape;
+    let work = m.saturating_mul(rows).saturating_mul(cols);
+    if plain {
+        return work <= WORK;
+    }
     // Padded to whole panels of any kernel.
     let columns = rows.saturating_add(if same { 0 } else { cols }).saturating_add(2 * WIDEST);
-    m.saturating_mul(rows).saturating_mul(cols) <= WORK
-        && m.min(LEAST_DEPTH).saturating_mul(columns) <= PACKED
+    work <= PACKED_WORK && m.min(LEAST_DEPTH).saturating_mul(columns) <= PACKED
 }
 
 /// Uninitialized memory, aligned to a cache line.
@@ -55,15 +62,39 @@ pub(crate) unsafe fn run_small<T: Real>(
 ) {
     // SAFETY: the caller's promise; plain sources can be read in place.
     unsafe {
-        if left.is_plain(shape.depth, shape.rows) && right.is_plain(shape.depth, shape.cols) {
-            multiply_in_place(kernel, left, right, target, shape);
-        } else {
+        if !left.is_plain(shape.depth, shape.rows) || !right.is_plain(shape.depth, shape.cols) {
             multiply_packed(kernel, left, right, target, shape);
+        } else if strips_stay(right, shape, kernel.geometry()) {
+            let side = |first, _| right.in_place(first, kernel.geometry().width);
+            multiply_in_place(kernel, left, target, shape, shape.cols, side);
+        } else {
+            multiply_panels(kernel, left, right, target, shape);
         }
     }
 }
 
-/// Computes a product of matrices that are read in place.
+/// Returns whether a strip of the right side, a cache line of each row, stays in the first-level
+/// cache where it lies: rows that are a power of two apart share few of its sets. Where few rows of
+/// tiles read a panel, packing pays later or, on the narrowest left side, never. Measured on Zen 4.
+#[inline(always)]
+fn strips_stay<T: Real>(right: Source<'_, T>, shape: Shape, geometry: Geometry) -> bool {
+    /// Rows of tiles.
+    const FEW: usize = 8;
+    let Shape { depth, rows, same, .. } = shape;
+    if rows <= PANELS_IN_PLACE * geometry.width {
+        return true;
+    }
+    let stride = right.matrix.row_stride().unsigned_abs() * size_of::<T>();
+    let apart = 1 << stride.trailing_zeros().clamp(CACHE_LINE.ilog2(), PAGE.ilog2());
+    let share = if same || rows <= FEW * geometry.rows { 1 } else { 2 };
+    depth.min(DEPTH) * apart <= data_caches()[0] / share
+}
+
+/// Bytes after which addresses share a set of a first-level cache.
+const PAGE: usize = 4096;
+
+/// Computes a product of a matrix that is read in place, `wide` columns at a time of the side that
+/// `right` returns for a first row and the columns.
 ///
 /// # Safety
 /// As for [`run_small`].
@@ -71,9 +102,10 @@ pub(crate) unsafe fn run_small<T: Real>(
 unsafe fn multiply_in_place<T: Real>(
     kernel: &dyn Kernel<T>,
     left: Source<'_, T>,
-    right: Source<'_, T>,
     target: Target<T>,
     shape: Shape,
+    wide: usize,
+    right: impl Fn(usize, Area) -> Side<T>,
 ) {
     let width = kernel.geometry().width;
     let Shape { depth: m, rows, cols, .. } = shape;
@@ -81,23 +113,57 @@ unsafe fn multiply_in_place<T: Real>(
     let mut targets = [target];
     let steps = if m <= DEPTH { m.max(1) } else { m.div_ceil(m.div_ceil(DEPTH)) };
     for first in (0..m.max(1)).step_by(steps) {
-        let product = InPlace {
-            steps: steps.min(m - first),
-            left: left.in_place(first, width),
-            right: right.in_place(first, width),
-            rows: 0..rows,
-            cols: 0..cols,
-            sums: sums.0.as_mut_ptr().cast(),
-            kept: false,
-            add: false,
-            targets: &targets,
-            last: true,
-        };
-        // SAFETY: the sources have these rows, the sums hold a tile; the caller promises that
-        // nobody else uses the target.
-        unsafe { kernel.multiply_in_place(&product) };
+        let steps = steps.min(m - first);
+        let mut col = 0;
+        while col < cols {
+            let cols = col..cols.min(col + wide);
+            let product = InPlace {
+                steps,
+                left: left.in_place(first, width),
+                right: right(first, Area { rows: first..first + steps, cols: cols.clone() }),
+                rows: 0..rows,
+                cols,
+                sums: sums.0.as_mut_ptr().cast(),
+                kept: false,
+                add: false,
+                targets: &targets,
+                last: true,
+            };
+            // SAFETY: the sources have these rows, the sums hold a tile; the caller promises that
+            // nobody else uses the target.
+            unsafe { kernel.multiply_in_place(&product) };
+            col += wide;
+        }
         targets = [targets[0].accumulating()];
     }
+}
+
+/// Computes a product of plain sources panel by panel of the right side, which is packed on the
+/// stack: it stays in the first-level cache, whatever its rows are apart. Not inlined, so that
+/// other products do not reserve its memory.
+///
+/// # Safety
+/// As for [`run_small`].
+#[inline(never)]
+unsafe fn multiply_panels<T: Real>(
+    kernel: &dyn Kernel<T>,
+    left: Source<'_, T>,
+    right: Source<'_, T>,
+    target: Target<T>,
+    shape: Shape,
+) {
+    let width = kernel.geometry().width;
+    let mut memory = Aligned::<[T; DEPTH * WIDEST]>(MaybeUninit::uninit());
+    let packed = memory.0.as_mut_ptr().cast::<T>();
+    let side = |_, area: Area| {
+        // SAFETY: a panel of at most DEPTH rows fits the memory.
+        unsafe { kernel.pack(&[right], &area, Panels::new(packed, 0)) };
+        // Where column 0 would be.
+        let start = packed.wrapping_sub(area.cols.start).cast_const();
+        Side { start, row_stride: width as isize, panel_stride: width }
+    };
+    // SAFETY: the caller's promise.
+    unsafe { multiply_in_place(kernel, left, target, shape, width, side) };
 }
 
 /// Computes a product of matrices that are packed on the stack. Not inlined, so that other products

@@ -4,7 +4,6 @@ use std::ops::Range;
 
 use faer::MatMut;
 
-use super::geometry::{Stream, line_len};
 use super::vectors::low_bits;
 use crate::base::{Disjoint, Real, SharedPtr};
 
@@ -206,14 +205,6 @@ impl<T> Target<T> {
     #[inline(always)]
     pub fn at(&self, i: usize, j: usize) -> *mut T {
         self.start.at(i as isize * self.row_stride + j as isize * self.col_stride)
-    }
-
-    /// Returns the memory to prefetch before a tile of `height` x `width` is written at
-    /// `(row, col)`: none unless rows are contiguous.
-    #[inline(always)]
-    pub fn stream(&self, height: usize, width: usize, row: usize, col: usize) -> Stream<T> {
-        let lines = if self.col_stride == 1 { width.div_ceil(line_len::<T>()) + 1 } else { 0 };
-        Stream { start: self.at(row, col), stride: self.row_stride, count: height, lines }
     }
 
     /// Returns the same block with beta 1, for products that are added to the first one.

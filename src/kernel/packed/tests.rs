@@ -1,5 +1,7 @@
 //! One suite for every isa, against the definition in integers, which are exact.
 
+mod ladder;
+
 use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -826,7 +828,7 @@ fn check_small<T: FloatOperand>(rng: &mut Rng) {
             for cols in EXTENTS {
                 let same = rows == cols && below(rng, 2) == 0;
                 let shape = Shape { depth, rows, cols, same };
-                if !is_small(shape) {
+                if !is_small(shape, true) {
                     continue;
                 }
                 let mut spec = spec(shape, (1, usize::from(!same)), (1, 1), rng);

@@ -4,7 +4,7 @@
 
 use std::ops::Range;
 
-use super::geometry::{Stream, line_len};
+use super::geometry::line_len;
 use super::target::Target;
 use super::vectors::{Vectors, low_bits};
 use super::write::{write, write_registers};
@@ -87,34 +87,22 @@ pub(super) unsafe fn multiply_row<V: Vectors, const ROWS: usize, const COUNT: us
             let tile = Tile {
                 steps: row.steps,
                 left: row.left.start,
-                left_stride: row.left.row_stride,
+                // Constants, although the sides know them: addresses become offsets.
+                left_stride: V::WIDTH as isize,
                 right: row.right.start.add(j * row.right.panel_stride + first * V::LANES),
-                right_stride: row.right.row_stride,
+                right_stride: V::WIDTH as isize,
                 sums: sums.add(first * V::LANES),
                 add: row.add,
             };
             // Rows of the next left side that each tile prefetches.
             let share = row.steps.div_ceil(row.panels.len());
-            let left = Stream {
-                start: row.next_left.wrapping_add(j * share * V::WIDTH),
-                stride: V::WIDTH as isize,
-                count: share,
-                lines: 1,
+            let left = row.next_left.wrapping_add(j * share * V::WIDTH);
+            let right = match row.next_lines {
+                0 => left,
+                lines => row.next_right.wrapping_add(j * lines * const { line_len::<V::Scalar>() }),
             };
-            let line = const { line_len::<V::Scalar>() };
-            let right = Stream {
-                start: row.next_right.wrapping_add(j * row.next_lines * line),
-                stride: line as isize,
-                count: row.next_lines,
-                lines: 1,
-            };
-            // Targets first, since this tile needs them itself.
-            let mut streams = [left; MOST_FETCHED + 1];
-            streams[0] = right;
-            for (stream, target) in streams.iter_mut().zip(row.targets).take(MOST_FETCHED) {
-                *stream = target.stream(V::ROWS, V::WIDTH, row.corner, col);
-            }
-            let ahead = &streams[..=row.targets.len().clamp(1, MOST_FETCHED)];
+            let ahead =
+                Some(Ahead { targets: row.targets, corner: (row.corner, col), left, right });
             let all = V::mask(low_bits(V::LANES));
             match count {
                 1 => tile.store::<V, ROWS, 1>(tile.multiply::<V, ROWS, 1, false>(all, ahead)),
@@ -157,17 +145,28 @@ pub(super) struct Tile<T> {
     pub add: bool,
 }
 
-/// Steps from one place of a [`Stream`] to the next.
+/// Steps from one prefetch of [`Ahead`] to the next.
 const PACE: usize = 4;
 
 /// Distance of prefetches from operands, in steps.
 const AHEAD: isize = 16;
 
+/// Memory that is prefetched while a tile is computed: the entries of targets, and from `left` and
+/// `right` on, a row and a cache line at a time.
+#[derive(Clone, Copy)]
+pub(super) struct Ahead<'a, T> {
+    targets: &'a [Target<T>],
+    /// The first entry of the tile.
+    corner: (usize, usize),
+    left: *const T,
+    right: *const T,
+}
+
 impl<T: Real> Tile<T> {
     /// Computes `left^T right`, ROWS columns of the left side times N vectors of the right side, in
-    /// registers. Meanwhile prefetches `ahead`, a little every few steps, since one burst would
-    /// delay the operands. The last vector has the lanes `tail` if `MASKED`, else all. Returns the
-    /// product, plus the sums of earlier steps if `self.add`.
+    /// registers. Meanwhile prefetches `ahead`, which packed sides have, a little every few steps,
+    /// since one burst would delay the operands. The last vector has the lanes `tail` if `MASKED`,
+    /// else all. Returns the product, plus the sums of earlier steps if `self.add`.
     ///
     /// # Safety
     /// Both sides hold `steps` rows, and the sums, if they are added, ROWS rows of WIDTH.
@@ -175,7 +174,7 @@ impl<T: Real> Tile<T> {
     pub unsafe fn multiply<V, const ROWS: usize, const N: usize, const MASKED: bool>(
         mut self,
         tail: V::Mask,
-        ahead: &[Stream<T>],
+        ahead: Option<Ahead<'_, T>>,
     ) -> [[V::Vector; N]; ROWS]
     where
         V: Vectors<Scalar = T>,
@@ -184,23 +183,65 @@ impl<T: Real> Tile<T> {
         unsafe {
             let mut tile = [[V::splat(T::ZERO); N]; ROWS];
             let mut rest = self.steps;
-            for stream in ahead {
-                let mut line = stream.start;
-                for _ in 0..stream.count.min(rest / PACE) {
-                    for i in 0..stream.lines {
-                        V::prefetch_far(line.wrapping_add(i * const { line_len::<T>() }));
+            // Loops of few different lengths: each end that a CPU does not predict costs a
+            // hundredth of a tile.
+            if let Some(ahead) = ahead {
+                let lines = const { V::WIDTH.div_ceil(line_len::<T>()) + 1 };
+                for target in ahead.targets.iter().take(MOST_FETCHED) {
+                    if target.col_stride != 1 || rest < ROWS * PACE {
+                        break;
                     }
-                    line = line.wrapping_offset(stream.stride);
-                    for _ in 0..PACE {
-                        self.step::<V, ROWS, N, MASKED>(tail, &mut tile);
+                    let mut line = target.at(ahead.corner.0, ahead.corner.1).cast_const();
+                    for _ in 0..ROWS {
+                        for i in 0..lines {
+                            V::prefetch_far(line.wrapping_add(i * const { line_len::<T>() }));
+                        }
+                        line = line.wrapping_offset(target.row_stride);
+                        self.packed_steps::<V, ROWS, N, MASKED>(tail, &mut tile);
                     }
-                    rest -= PACE;
+                    rest -= ROWS * PACE;
                 }
+                let (mut left, mut right) = (ahead.left, ahead.right);
+                for _ in 0..rest / PACE {
+                    V::prefetch_far(left);
+                    V::prefetch_far(right);
+                    left = left.wrapping_add(V::WIDTH);
+                    right = right.wrapping_add(const { line_len::<T>() });
+                    self.packed_steps::<V, ROWS, N, MASKED>(tail, &mut tile);
+                }
+                rest %= PACE;
             }
             for _ in 0..rest {
+                for j in 0..N {
+                    let right = self.right.wrapping_offset(AHEAD * self.right_stride);
+                    V::prefetch(right.wrapping_add(j * V::LANES));
+                }
                 self.step::<V, ROWS, N, MASKED>(tail, &mut tile);
             }
             self.complete::<V, ROWS, N>(tile)
+        }
+    }
+
+    /// Performs PACE steps on packed sides. Each cache line of the right side is prefetched once.
+    ///
+    /// # Safety
+    /// Both sides hold these rows.
+    #[inline(always)]
+    unsafe fn packed_steps<V, const ROWS: usize, const N: usize, const MASKED: bool>(
+        &mut self,
+        tail: V::Mask,
+        tile: &mut [[V::Vector; N]; ROWS],
+    ) where
+        V: Vectors<Scalar = T>,
+    {
+        let line = const { line_len::<T>() };
+        let ahead = self.right.wrapping_add(AHEAD as usize * V::WIDTH);
+        for k in 0..PACE {
+            for i in (k * V::WIDTH).div_ceil(line)..((k + 1) * V::WIDTH).div_ceil(line) {
+                V::prefetch(ahead.wrapping_add(i * line));
+            }
+            // SAFETY: the caller's promise.
+            unsafe { self.step::<V, ROWS, N, MASKED>(tail, tile) };
         }
     }
 
@@ -218,12 +259,10 @@ impl<T: Real> Tile<T> {
     {
         // SAFETY: the caller's promise.
         unsafe {
-            let right_ahead = self.right.wrapping_offset(AHEAD * self.right_stride);
             let mut r = [V::splat(T::ZERO); N];
             for j in 0..N {
                 let at = self.right.add(j * V::LANES);
                 r[j] = if MASKED && j + 1 == N { V::load_masked(at, tail) } else { V::load(at) };
-                V::prefetch(right_ahead.wrapping_add(j * V::LANES));
             }
             V::prefetch(self.left.wrapping_offset(AHEAD * self.left_stride));
             V::add_products(self.left, r, tile);

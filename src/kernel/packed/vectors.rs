@@ -14,8 +14,9 @@ pub(super) trait Vectors {
     const ROWS: usize;
     /// Number of vectors of a row of a tile: 2 or 3.
     const COUNT: usize;
-    /// Whether masked stores cost about as much as plain ones.
-    const MASKED_STORES: bool;
+    /// Whether masks have registers of their own: masked loads and stores then cost about as much
+    /// as plain ones.
+    const MASK_REGISTERS: bool;
     /// Number of columns of a tile, and of a panel.
     const WIDTH: usize = Self::LANES * Self::COUNT;
 

@@ -44,11 +44,9 @@ pub(crate) fn execute<T: BlasReal>(
     options: &AtaOptions<'_>,
     scratch: &mut [T],
 ) -> Result<()> {
-    if product.is_scaling() {
-        product.scale()?;
-        return options.progress.report(1.0);
-    }
-    product.into_lower(
+    of_lower(
+        product,
+        options,
         #[inline(always)]
         |product| match &plan.strategy {
             Strategy::Direct(_) => direct(plan.problem.op, product, options),
@@ -61,6 +59,35 @@ pub(crate) fn execute<T: BlasReal>(
             Strategy::Exact(it) => exactly(it, product, options, scratch),
         },
     )
+}
+
+/// Computes a product whose plan would be [`Strategy::Direct`], without making the plan.
+#[inline]
+pub(crate) fn execute_direct<T: BlasReal>(
+    op: Op,
+    product: Product<'_, T>,
+    options: &AtaOptions<'_>,
+) -> Result<()> {
+    of_lower(
+        product,
+        options,
+        #[inline(always)]
+        |product| direct(op, product, options),
+    )
+}
+
+/// Calls `work` with the product for the lower triangle, unless it only scales C.
+#[inline(always)]
+fn of_lower<T: BlasReal>(
+    product: Product<'_, T>,
+    options: &AtaOptions<'_>,
+    work: impl FnOnce(Product<'_, T>) -> Result<()>,
+) -> Result<()> {
+    if product.is_scaling() {
+        product.scale()?;
+        return options.progress.report(1.0);
+    }
+    product.into_lower(work)
 }
 
 #[inline(never)]

@@ -51,11 +51,9 @@ const GAIN_OF_EXACT: f64 = 0.98;
 /// the choice.
 #[inline]
 pub(super) fn choose<T: BlasReal>(problem: Problem, options: &AtaOptions<'_>) -> Choice {
-    match native_for(options) {
-        Some(native) if !options.asks_for_exact() && is_direct(native, &problem, options) => {
-            direct(native)
-        }
-        native => cheapest_strategy::<T>(native, problem, options),
+    match direct_kernels(&problem, options) {
+        Some(native) => direct(native),
+        None => cheapest_strategy::<T>(native_for(options), problem, options),
     }
 }
 
@@ -95,15 +93,24 @@ fn native_for<'o>(options: &'o AtaOptions<'_>) -> Option<&'o Native> {
     })
 }
 
-/// Returns whether the product ends before it could be planned, and the options leave the choice.
-fn is_direct(native: &Native, problem: &Problem, options: &AtaOptions<'_>) -> bool {
-    matches!(options.scheme, SchemeChoice::Auto | SchemeChoice::Float | SchemeChoice::Classical)
-        && native.is_small(problem.m, problem.n, problem.k, problem.same())
+/// Returns our own kernels if the product ends before threads could share it, and the options leave
+/// the choice.
+#[inline]
+pub(crate) fn direct_kernels<'o>(
+    problem: &Problem,
+    options: &'o AtaOptions<'_>,
+) -> Option<&'o Native> {
+    let free = matches!(
+        options.scheme,
+        SchemeChoice::Auto | SchemeChoice::Float | SchemeChoice::Classical
+    ) && !options.asks_for_exact();
+    let small = |native: &&Native| native.is_small(problem.m, problem.n, problem.k, problem.same());
+    native_for(options).filter(|_| free).filter(small)
 }
 
 fn direct(native: &Native) -> Choice {
-    /// Most seconds of a direct product: the work of 30 microseconds.
-    const SECONDS: f64 = 3e-5;
+    /// Most seconds of a direct product.
+    const SECONDS: f64 = 2e-4;
     let strategy = Strategy::Direct(native.isa());
     Choice { strategy, seconds: SECONDS, classical_seconds: SECONDS }
 }

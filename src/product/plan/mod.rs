@@ -11,6 +11,7 @@ mod scratch;
 mod strategy;
 mod tree;
 
+pub(crate) use choose::direct_kernels;
 pub(crate) use fused::{FusedProduct, SignedBlock};
 pub(crate) use problem::{Op, Problem};
 #[cfg(test)]
