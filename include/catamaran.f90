@@ -380,6 +380,62 @@ module catamaran
       integer(c_size_t), value :: ldc
       type(cata_ata_params), intent(in), optional :: params
     end function cata_aat_f32
+    function cata_ata_batched_f64(layout, uplo, count, m, n, alpha, a, lda, stride_a, beta, c, &
+        ldc, stride_c, params) bind(C) result(returned)
+      import
+      integer(c_int32_t) :: returned
+      integer(c_int32_t), value :: layout, uplo
+      integer(c_size_t), value :: count, m, n
+      real(c_double), value :: alpha
+      real(c_double), intent(in), optional :: a(*)
+      integer(c_size_t), value :: lda, stride_a
+      real(c_double), value :: beta
+      real(c_double), intent(inout), optional :: c(*)
+      integer(c_size_t), value :: ldc, stride_c
+      type(cata_ata_params), intent(in), optional :: params
+    end function cata_ata_batched_f64
+    function cata_ata_batched_f32(layout, uplo, count, m, n, alpha, a, lda, stride_a, beta, c, &
+        ldc, stride_c, params) bind(C) result(returned)
+      import
+      integer(c_int32_t) :: returned
+      integer(c_int32_t), value :: layout, uplo
+      integer(c_size_t), value :: count, m, n
+      real(c_float), value :: alpha
+      real(c_float), intent(in), optional :: a(*)
+      integer(c_size_t), value :: lda, stride_a
+      real(c_float), value :: beta
+      real(c_float), intent(inout), optional :: c(*)
+      integer(c_size_t), value :: ldc, stride_c
+      type(cata_ata_params), intent(in), optional :: params
+    end function cata_ata_batched_f32
+    function cata_ata_batched_pointers_f64(layout, uplo, count, m, n, alpha, a, lda, beta, c, &
+        ldc, params) bind(C) result(returned)
+      import
+      integer(c_int32_t) :: returned
+      integer(c_int32_t), value :: layout, uplo
+      integer(c_size_t), value :: count, m, n
+      real(c_double), value :: alpha
+      type(c_ptr), intent(in), optional :: a(*)
+      integer(c_size_t), value :: lda
+      real(c_double), value :: beta
+      type(c_ptr), intent(in), optional :: c(*)
+      integer(c_size_t), value :: ldc
+      type(cata_ata_params), intent(in), optional :: params
+    end function cata_ata_batched_pointers_f64
+    function cata_ata_batched_pointers_f32(layout, uplo, count, m, n, alpha, a, lda, beta, c, &
+        ldc, params) bind(C) result(returned)
+      import
+      integer(c_int32_t) :: returned
+      integer(c_int32_t), value :: layout, uplo
+      integer(c_size_t), value :: count, m, n
+      real(c_float), value :: alpha
+      type(c_ptr), intent(in), optional :: a(*)
+      integer(c_size_t), value :: lda
+      real(c_float), value :: beta
+      type(c_ptr), intent(in), optional :: c(*)
+      integer(c_size_t), value :: ldc
+      type(cata_ata_params), intent(in), optional :: params
+    end function cata_ata_batched_pointers_f32
     function cata_ata_sparse_f64(layout, uplo, m, n, alpha, row_starts, columns, entries, &
         weights, beta, c, ldc, params) bind(C) result(returned)
       import

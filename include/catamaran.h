@@ -310,6 +310,32 @@ cata_status cata_aat_f64(int32_t layout, int32_t uplo, size_t m, size_t n, doubl
 cata_status cata_aat_f32(int32_t layout, int32_t uplo, size_t m, size_t n, float alpha,
     const float *a, size_t lda, float beta, float *c, size_t ldc, const cata_ata_params *params);
 
+/** Computes C_i := alpha A_i^T A_i + beta C_i for each of `count` matrices, with the bytes of
+ * cata_ata_f64. Threads share the products; `progress` is called after some of them. The C_i hold
+ * unspecified values in their wanted parts after CATA_ERR_OUT_OF_MEMORY too.
+ * - `stride_a`: elements from one A_i to the next; the A_i may overlap.
+ * - `stride_c`: the same of C, at least the elements from the first to the last entry of a C_i,
+ *   all of which count as its memory. */
+cata_status cata_ata_batched_f64(int32_t layout, int32_t uplo, size_t count, size_t m, size_t n,
+    double alpha, const double *a, size_t lda, size_t stride_a, double beta, double *c, size_t ldc,
+    size_t stride_c, const cata_ata_params *params);
+
+/** Computes cata_ata_batched_f64 in float. */
+cata_status cata_ata_batched_f32(int32_t layout, int32_t uplo, size_t count, size_t m, size_t n,
+    float alpha, const float *a, size_t lda, size_t stride_a, float beta, float *c, size_t ldc,
+    size_t stride_c, const cata_ata_params *params);
+
+/** Computes cata_ata_batched_f64 for matrices at `count` pointers each. No C_i may overlap another
+ * matrix; blocks of one matrix do not. */
+cata_status cata_ata_batched_pointers_f64(int32_t layout, int32_t uplo, size_t count, size_t m,
+    size_t n, double alpha, const double *const *a, size_t lda, double beta, double *const *c,
+    size_t ldc, const cata_ata_params *params);
+
+/** Computes cata_ata_batched_pointers_f64 in float. */
+cata_status cata_ata_batched_pointers_f32(int32_t layout, int32_t uplo, size_t count, size_t m,
+    size_t n, float alpha, const float *const *a, size_t lda, float beta, float *const *c,
+    size_t ldc, const cata_ata_params *params);
+
 /** Computes C := alpha A^T W A + beta C, for a sparse A, m x n, weights W or none, and C n x n,
  * dense. The sums are those of the classical algorithm, in double and in the order of the rows.
  * - `row_starts`: m + 1 elements, read: the entries of row i are those from `row_starts[i]` to

@@ -12,7 +12,9 @@ use catamaran::io::{
 };
 use catamaran::rows::RowBlocks;
 use catamaran::{Error, Par};
-use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType};
+use parquet::data_type::{
+    ByteArray, ByteArrayType, DataType, DoubleType, FixedLenByteArray, FixedLenByteArrayType,
+};
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
@@ -115,11 +117,12 @@ fn refusal(path: &Path, options: &ReadOptions<'_>) -> String {
     if let Error::Io { path: named, .. } = &error {
         assert_eq!(named, path);
     }
-    // The same as a whole and by blocks.
+    // The same as a whole and by blocks, once and again.
     if let Ok(Some(mut rows)) = TableFile::open(path, options) {
         let mut all = Mat::<f64>::zeros(rows.nrows(), rows.ncols());
         if let Err(by_blocks) = rows.read(0, all.as_mut()) {
             assert_eq!(by_blocks, error);
+            assert_eq!(rows.read(0, all.as_mut()), Err(error.clone()));
         }
     }
     error.to_string()
@@ -375,6 +378,8 @@ fn words_in_pages_without_a_dictionary_have_the_same_numbers() {
     let found = content(&path, &factors());
     same(&doubles(&found), &Mat::from_fn(3000, 1, |i, _| (i * 7 % 3000) as f64));
     assert_eq!(levels(&found, "word")[77], "word 0077");
+    let refused = refusal(&path, &factors().max_memory(100_000));
+    assert!(refused.contains("words of more bytes than it may take: a larger"), "{refused}");
 }
 
 #[test]
@@ -388,6 +393,119 @@ fn a_file_that_changes_while_it_is_read_is_refused() {
     let refused = rows.read(0, block.as_mut()).unwrap_err().to_string();
     assert!(refused.contains("since it was opened"), "{refused}");
     assert!(rows.try_clone().is_err());
+}
+
+#[test]
+fn decimals_are_read_up_to_38_digits_and_named_beyond() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.parquet");
+    let schema = "message m { required fixed_len_byte_array (17) wide (DECIMAL (40, 2)); \
+                  required binary long (DECIMAL (38, 1)); }";
+    write(&path, schema, WriterProperties::default(), |writer| {
+        let mut group = writer.next_row_group().unwrap();
+        let mut column = group.next_column().unwrap().unwrap();
+        let wide = FixedLenByteArray::from(vec![0; 17]);
+        column.typed::<FixedLenByteArrayType>().write_batch(&[wide], None, None).unwrap();
+        column.close().unwrap();
+        let mut column = group.next_column().unwrap().unwrap();
+        let long = ByteArray::from([&[0xff_u8; 17][..], &[0xfb]].concat());
+        column.typed::<ByteArrayType>().write_batch(&[long], None, None).unwrap();
+        column.close().unwrap();
+        group.close().unwrap();
+    });
+    let found = content(&path, &options(TableOptions::new()));
+    assert_eq!(found.reading.as_ref().unwrap().left_out, ["wide"]);
+    assert_eq!(doubles(&found)[(0, 0)], -0.5);
+    let options = ReadOptions::new().columns(Columns::parse("wide"));
+    let refused = refusal(&path, &options);
+    assert!(refused.contains("column wide has decimals of more than 38 digits"), "{refused}");
+}
+
+#[test]
+fn a_dictionary_is_as_long_as_its_header_says() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.parquet");
+    let schema = "message m { required double x; }";
+    write(&path, schema, WriterProperties::default(), |writer| {
+        group::<DoubleType>(writer, &[1.0, 2.0, 3.0]);
+    });
+    // The header of the dictionary within that of its page: field 1 is the number of entries, 3.
+    let mut bytes = fs::read(&path).unwrap();
+    let header = [0x4c, 0x15, 6, 0x15];
+    let at = bytes.windows(4).position(|window| window == header).unwrap();
+    bytes[at + 2] = 2 * 60;
+    fs::write(&path, bytes).unwrap();
+    let refused = refusal(&path, &ReadOptions::new());
+    assert!(refused.contains("a dictionary with fewer entries than its header"), "{refused}");
+}
+
+/// Returns an Arrow file whose footer lists the first block of a field `count` times.
+fn repeated(good: &[u8], field: usize, count: u32) -> Vec<u8> {
+    let number = |bytes: &[u8], at: usize| u32::from_le_bytes(*bytes[at..].first_chunk().unwrap());
+    let end = good.len() - 10;
+    let start = end - number(good, end) as usize;
+    let mut footer = good[start..end].to_vec();
+    let table = number(&footer, 0) as usize;
+    let places = table - number(&footer, table) as usize;
+    let place = &footer[places + 4 + 2 * field..];
+    let at = table + usize::from(u16::from_le_bytes(*place.first_chunk().unwrap()));
+    let blocks = at + number(&footer, at) as usize + 4;
+    let block = footer[blocks..blocks + 24].to_vec();
+    let distance = (footer.len() - at) as u32;
+    footer[at..at + 4].copy_from_slice(&distance.to_le_bytes());
+    footer.extend(count.to_le_bytes());
+    (0..count).for_each(|_| footer.extend_from_slice(&block));
+    let size = footer.len() as u32;
+    [&good[..start], &footer, &size.to_le_bytes(), b"ARROW1"].concat()
+}
+
+#[test]
+fn arrow_files_that_contradict_themselves_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.arrow");
+    let said = |bytes: &[u8]| {
+        fs::write(&path, bytes).unwrap();
+        refusal(&path, &factors())
+    };
+    let good = fs::read(file("kinds.arrow")).unwrap();
+    let (dictionaries, batches) = (2, 3);
+    let refused = said(&repeated(&good, dictionaries, 2));
+    assert!(refused.contains("a dictionary that replaces another one"), "{refused}");
+    let refused = said(&repeated(&good, batches, 1000));
+    assert!(refused.contains("its parts overlap"), "{refused}");
+
+    let place = |bytes: &[u8], wanted: &[u8]| {
+        bytes.windows(wanted.len()).position(|window| window == wanted).unwrap()
+    };
+    // The bits of missing cells of the first column: where they are, and how many bytes.
+    let mut bytes = fs::read(file("missing.arrow")).unwrap();
+    let at = place(&bytes, &[0_i64, 7].map(i64::to_le_bytes).concat());
+    bytes[at + 8] = 0;
+    let refused = said(&bytes);
+    assert!(refused.contains("column x, record batch 0"), "{refused}");
+    assert!(refused.contains("missing cells, but no bits that say which"), "{refused}");
+    // The size of a packed buffer.
+    let mut bytes = fs::read(file("lz4.feather")).unwrap();
+    let at = place(&bytes, &160_i64.to_le_bytes());
+    bytes[at] = 152;
+    let refused = said(&bytes);
+    assert!(refused.contains("does not unpack to the size that it says"), "{refused}");
+}
+
+#[test]
+fn a_group_that_changes_between_its_blocks_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.parquet");
+    write(&path, "message m { required double x; }", WriterProperties::default(), |writer| {
+        group::<DoubleType>(writer, &[1.5; 100_000]);
+    });
+    let mut rows = TableFile::open(&path, &ReadOptions::new()).unwrap().unwrap();
+    let mut block = Mat::<f64>::zeros(50_000, 1);
+    rows.read(0, block.as_mut()).unwrap();
+    let bytes = [fs::read(&path).unwrap(), vec![0]].concat();
+    fs::write(&path, bytes).unwrap();
+    let refused = rows.read(50_000, block.as_mut()).unwrap_err().to_string();
+    assert!(refused.contains("changed since it was opened"), "{refused}");
 }
 
 #[test]

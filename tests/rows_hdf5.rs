@@ -379,10 +379,11 @@ fn attributes_of_netcdf_give_entries_their_meaning_and_notes_say_so() {
     let bytes = file.new_dataset::<i8>().shape(3).create("bytes").unwrap();
     bytes.write_raw(&[1_i8, -1, -128]).unwrap();
     attribute(&bytes, "_Unsigned", FixedAscii::<4>::from_ascii("true").unwrap());
-    let plain = file.new_dataset::<f32>().shape(2).create("plain").unwrap();
-    plain.write_raw(&[1.5_f32, 1e20]).unwrap();
+    let plain = file.new_dataset::<f32>().shape(3).create("plain").unwrap();
+    plain.write_raw(&[1.5_f32, 1e20, 1e30]).unwrap();
     attribute(&plain, "scale_factor", 1.0_f64);
     attribute(&plain, "_FillValue", 1e20_f32);
+    attribute(&plain, "missing_value", 1e30_f64);
     let broken = file.new_dataset::<f32>().shape(2).create("broken").unwrap();
     broken.new_attr::<f64>().shape(2).create("scale_factor").unwrap().write_raw(&[1.0; 2]).unwrap();
     drop((dataset, bytes, plain, broken, file));
@@ -403,8 +404,8 @@ fn attributes_of_netcdf_give_entries_their_meaning_and_notes_say_so() {
     assert_eq!(block::<f64>(&mut rows, 0, 3), Mat::from_fn(3, 1, |i, _| [1.0, 255.0, 128.0][i]));
     let mut rows = RowFile::open(named(&path, "plain")).unwrap();
     assert!(rows.is_single());
-    let found = block::<f32>(&mut rows, 0, 2);
-    assert!(found[(0, 0)] == 1.5 && found[(1, 0)].is_nan());
+    let found = block::<f32>(&mut rows, 0, 3);
+    assert!(found[(0, 0)] == 1.5 && found[(1, 0)].is_nan() && found[(2, 0)].is_nan());
     let said = refusal(&path, "broken");
     assert!(said.contains("scale_factor that is not one finite number"), "{said}");
 }
@@ -454,10 +455,13 @@ fn matrices_of_matlab_have_the_shape_that_matlab_shows() {
     let values: Vec<f64> = (0..12).map(|k| entry(k % 3, k / 3)).collect();
     dataset.write_raw(&values).unwrap();
     attribute(&dataset, "MATLAB_class", FixedAscii::<6>::from_ascii("double").unwrap());
+    let text = file.new_dataset::<u16>().shape((2, 1)).create("text").unwrap();
+    attribute(&text, "MATLAB_class", FixedAscii::<4>::from_ascii("char").unwrap());
     let sparse = file.create_group("S").unwrap();
     sparse.new_attr::<u64>().create("MATLAB_sparse").unwrap().write_scalar(&3_u64).unwrap();
-    drop((dataset, sparse, file));
-    let rows = RowFile::open(&path).unwrap();
+    drop((dataset, text, sparse, file));
+    assert!(refusal(&path, "text").ends_with("is text of MATLAB, not real numbers"));
+    let rows = RowFile::open(named(&path, "A")).unwrap();
     assert_eq!((rows.nrows(), rows.ncols()), (3, 4));
     let mut rows = rows.with_columns(1..4).unwrap();
     for (first, count) in [(0, 3), (1, 1), (2, 1)] {
@@ -484,8 +488,24 @@ fn virtual_datasets_are_read_and_their_parts_are_watched() {
                 .virtual_map("part1.h5", "x", (2, 3), (0..2, 0..3), (4, 3), (2..4, 0..3))
         });
     drop(all.create("all").unwrap());
+    let lacking =
+        file.new_dataset::<f64>().shape((4, 3)).with_dcpl(|list| {
+            list.virtual_map("part0.h5", "x", (2, 3), (0..2, 0..3), (4, 3), (0..2, 0..3))
+                .virtual_map("part0.h5", "y", (2, 3), (0..2, 0..3), (4, 3), (2..4, 0..3))
+        });
+    drop(lacking.create("other").unwrap());
+    let lacking = file
+        .new_dataset::<f64>()
+        .shape((2, 3))
+        .with_dcpl(|list| list.virtual_map(".", "z", (2, 3), (0..2, 0..3), (2, 3), (0..2, 0..3)));
+    drop(lacking.create("own").unwrap());
     drop(file);
-    let mut rows = RowFile::open(&path).unwrap();
+    for (name, part) in [("other", "part0.h5:y"), ("own", ".:z")] {
+        let said = refusal(&path, name);
+        assert!(said.contains(&format!("its part {part} is missing")), "{said}");
+    }
+    let all = named(&path, "all");
+    let mut rows = RowFile::open(&all).unwrap();
     let expected = Mat::from_fn(4, 3, |i, j| (3 * i + j) as f64);
     assert_eq!(block::<f64>(&mut rows, 0, 4), expected);
     assert!(rows.identity().contains("part1.h5"), "{}", rows.identity());
@@ -497,7 +517,7 @@ fn virtual_datasets_are_read_and_their_parts_are_watched() {
     drop(rows);
     // HDF5 itself would read zeros.
     fs::remove_file(part(0)).unwrap();
-    let said = what(&path, RowFile::open(&path));
+    let said = what(&path, RowFile::open(&all));
     assert!(said.contains("its part part0.h5:x is missing"), "{said}");
 }
 

@@ -12,6 +12,7 @@
 mod absent;
 mod aha;
 mod ata;
+mod ata_batched;
 mod ata_params;
 mod atb;
 mod backend;
@@ -112,6 +113,7 @@ mod world;
 pub use absent::*;
 pub use aha::*;
 pub use ata::*;
+pub use ata_batched::*;
 pub use ata_params::*;
 pub use atb::*;
 pub use backend::*;

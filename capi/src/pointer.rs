@@ -11,6 +11,7 @@ use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_SHAPE, Failure};
 #[cfg(feature = "chapters")]
 use catamaran::Real;
 use catamaran::Uplo;
+use catamaran::base::{reserved, room};
 #[cfg(feature = "chapters")]
 use catamaran_geometry::mesh::TriMesh;
 
@@ -155,6 +156,115 @@ pub(super) unsafe fn matrix_mut<'a, T: Copy>(
     regions::add(region(what, layout, rows, cols, pointer, ld, true))?;
     // SAFETY: as in `matrix`; strides of distinct entries differ as ld >= the length of a line.
     Ok(unsafe { MatMut::from_raw_parts_mut(pointer, rows, cols, row_stride, col_stride) })
+}
+
+/// Where the matrices of a batch begin.
+pub(super) enum Starts<T> {
+    /// The first one here, and each so many elements after the one before.
+    Every(*const T, usize),
+    /// Each where an element of this array points.
+    At(*const *const T),
+}
+
+/// Returns matrices of one shape to read. Their memory is added to `all` if nothing but
+/// [`regions::check_batch`] can compare it.
+///
+/// # Safety
+/// As [`matrix`], for each of them.
+pub(super) unsafe fn matrices<'a, T: Copy>(
+    what: &'static str,
+    layout: Layout,
+    shape: [usize; 3],
+    starts: Starts<T>,
+    ld: usize,
+    all: &mut Vec<Region>,
+) -> Result<Vec<MatRef<'a, T>>, Failure> {
+    let [_, rows, cols] = shape;
+    // SAFETY: the caller's promise; `batch` has checked the pointers as `matrix` does.
+    unsafe {
+        batch(what, layout, shape, starts, ld, false, all, |start, down, across| {
+            MatRef::from_raw_parts(start, rows, cols, down, across)
+        })
+    }
+}
+
+/// Returns matrices of one shape as [`matrices`] does, to write.
+///
+/// # Safety
+/// As [`matrix_mut`], for each of them; `all` is checked before one is written.
+pub(super) unsafe fn matrices_mut<'a, T: Copy>(
+    what: &'static str,
+    layout: Layout,
+    shape: [usize; 3],
+    starts: Starts<T>,
+    ld: usize,
+    all: &mut Vec<Region>,
+) -> Result<Vec<MatMut<'a, T>>, Failure> {
+    let [_, rows, cols] = shape;
+    // SAFETY: as in `matrices`.
+    unsafe {
+        batch(what, layout, shape, starts, ld, true, all, |start, down, across| {
+            MatMut::from_raw_parts_mut(start.cast_mut(), rows, cols, down, across)
+        })
+    }
+}
+
+/// Returns what `view` makes of the start and the strides of each of `count` rows x cols matrices.
+///
+/// # Safety
+/// An array of pointers can be read.
+unsafe fn batch<T: Copy, V>(
+    what: &'static str,
+    layout: Layout,
+    [count, rows, cols]: [usize; 3],
+    starts: Starts<T>,
+    ld: usize,
+    written: bool,
+    all: &mut Vec<Region>,
+    view: impl Fn(*const T, isize, isize) -> V,
+) -> Result<Vec<V>, Failure> {
+    let (len, down, across) = strides::<T>(what, layout, rows, cols, ld)?;
+    let mut views = reserved(count)?;
+    match starts {
+        Starts::Every(start, distance) => {
+            let distance = if count > 1 && len > 0 { distance } else { len };
+            let shape_error = |why: String| Err(Failure::new(CATA_ERR_SHAPE, why));
+            if written && distance < len {
+                return shape_error(format!(
+                    "stride_{what}: must be at least {len}, is {distance}"
+                ));
+            }
+            let span = count.saturating_sub(1).checked_mul(distance);
+            let span = span.and_then(|span| span.checked_add(len));
+            let Some(span) = span.filter(|&span| span <= isize::MAX as usize / size_of::<T>())
+            else {
+                return shape_error(format!(
+                    "stride_{what}: {count} matrices at this distance exceed the address space"
+                ));
+            };
+            let start = checked(what, start, if count == 0 { 0 } else { span })?;
+            // Matrices that overlap are one line.
+            let (line, lines) = if distance < len { (span, count.min(1)) } else { (len, count) };
+            let bytes = size_of::<T>();
+            let (line, stride) = (line * bytes, distance.max(line) * bytes);
+            regions::add(Region { what, start: start.addr(), line, stride, lines, written })?;
+            let starts = (0..count).map(|i| start.wrapping_add(i * distance));
+            views.extend(starts.map(|start| view(start, down, across)));
+        }
+        Starts::At(pointers) => {
+            // SAFETY: the caller's promise.
+            let pointers = unsafe { slice(what, pointers, count) }?;
+            room(all, count)?;
+            for (i, &start) in pointers.iter().enumerate() {
+                // The name with the index takes longer than a small product.
+                let start = checked(what, start, len)
+                    .or_else(|_| checked(&format!("{what}[{i}]"), start, len))?;
+                all.push(region(what, layout, rows, cols, start, ld, written));
+                views.push(view(start, down, across));
+            }
+        }
+    }
+    Ok(views)
 }
 
 /// Returns `len` elements, read only.

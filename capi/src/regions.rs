@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 
 use super::status::{CATA_ERR_ARGUMENT, Failure};
+use catamaran::base::reserved;
 
 thread_local! {
     static REGIONS: RefCell<Regions> = RefCell::default();
@@ -105,6 +106,51 @@ pub(super) fn add(new: Region) -> Result<(), Failure> {
     }
 }
 
+/// Returns an error when one of the matrices that are written overlaps another one. `all` are those
+/// of arrays of `count` matrices each, array by array.
+pub(super) fn check_batch(all: &[Region], count: usize) -> Result<(), Failure> {
+    // Line by line only where it matters: blocks of one matrix have lines between those of others.
+    if first_overlap(all, false)?.is_none() {
+        return Ok(());
+    }
+    let Some((old, new)) = first_overlap(all, true)? else { return Ok(()) };
+    let (output, other) = if all[new].written { (new, old) } else { (old, new) };
+    let name = |i: usize| format!("{}[{}]", all[i].what, i % count);
+    let why = format!("{}: must not overlap {}", name(output), name(other));
+    Err(Failure::new(CATA_ERR_ARGUMENT, why))
+}
+
+/// Returns two regions that overlap, one of them written, if there are any: compares their lines,
+/// or all that lies between their ends.
+fn first_overlap(all: &[Region], by_line: bool) -> Result<Option<(usize, usize)>, Failure> {
+    let lines = all.iter().map(|region| if by_line { region.lines } else { 1 });
+    let mut pieces = reserved(lines.fold(0, usize::saturating_add))?;
+    for (i, region) in all.iter().enumerate().filter(|(_, it)| it.lines > 0 && it.line > 0) {
+        match by_line {
+            true => pieces.extend((0..region.lines).map(|line| {
+                let start = region.start + line * region.stride;
+                (start, start + region.line, i)
+            })),
+            false => pieces.push((region.start, region.end(), i)),
+        }
+    }
+    // Stable: fast for two arrays that ascend.
+    pieces.sort();
+    // What reaches farthest so far: of all pieces, and of those that are written.
+    let mut farthest: [(usize, usize); 2] = [(0, 0); 2];
+    for (start, end, i) in pieces {
+        let written = all[i].written;
+        let (before, old) = farthest[usize::from(!written)];
+        if start < before {
+            return Ok(Some((old, i)));
+        }
+        for reached in &mut farthest[..1 + usize::from(written)] {
+            *reached = (*reached).max((end, i));
+        }
+    }
+    Ok(None)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -129,6 +175,22 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn overlaps_in_a_batch_are_named_and_blocks_of_one_matrix_are_none() {
+        let read = |start| Region { what: "a", written: false, ..region(start, 8, 8, 2) };
+        let block = |start| Region { what: "c", ..region(start, 8, 32, 2) };
+        let check = |all: &[Region]| check_batch(all, 2).map_err(|failure| failure.message);
+        check(&[read(100), read(104), block(0), block(8)]).unwrap();
+        check(&[read(8), read(16), block(0), block(48)]).unwrap();
+        let message = "c[1]: must not overlap c[0]";
+        assert_eq!(check(&[read(100), read(200), block(0), block(7)]).unwrap_err(), message);
+        let message = "c[0]: must not overlap a[1]";
+        assert_eq!(check(&[read(100), read(39), block(0), block(8)]).unwrap_err(), message);
+        let none = Region { line: 0, ..block(0) };
+        check(&[none, none, none, none]).unwrap();
+        check(&[]).unwrap();
     }
 
     #[test]

@@ -98,6 +98,27 @@ void ata(detail::identity_t<T> alpha, matrix_view<T> a, detail::identity_t<T> be
     ata<T>(alpha, matrix_view<const T>(a), beta, c, part, how);
 }
 
+/// C_i := alpha A_i^T A_i + beta C_i for `count` matrices, of which `a` and `c` are the first ones,
+/// each so many elements before the next one: cata_ata_batched_f64.
+template <class T>
+void ata_batched(std::size_t count, detail::identity_t<T> alpha, matrix_view<const T> a,
+                 std::size_t stride_a, detail::identity_t<T> beta, matrix_view<T> c,
+                 std::size_t stride_c, uplo part = uplo::both, const options& how = {}) {
+    detail::require_square(c, a.cols, a.order);
+    detail::call call(how);
+    const auto product = detail::of_scalar<T>(cata_ata_batched_f64, cata_ata_batched_f32);
+    call.finish(product(static_cast<std::int32_t>(a.order), static_cast<std::int32_t>(part), count,
+                        a.rows, a.cols, alpha, a.data, a.leading, stride_a, beta, c.data,
+                        c.leading, stride_c, call.params()));
+}
+
+template <class T>
+void ata_batched(std::size_t count, detail::identity_t<T> alpha, matrix_view<T> a,
+                 std::size_t stride_a, detail::identity_t<T> beta, matrix_view<T> c,
+                 std::size_t stride_c, uplo part = uplo::both, const options& how = {}) {
+    ata_batched<T>(count, alpha, matrix_view<const T>(a), stride_a, beta, c, stride_c, part, how);
+}
+
 /// C := alpha A A^T + beta C. A is m x n, C is m x m, in the same layout: cata_aat_f64.
 template <class T>
 void aat(detail::identity_t<T> alpha, matrix_view<const T> a, detail::identity_t<T> beta,
@@ -300,9 +321,8 @@ verification verify(double alpha, matrix_view<T> a, matrix_view<T> c, uplo part 
     return verify<S>(alpha, matrix_view<const S>(a), matrix_view<const S>(c), part, rounds, seed);
 }
 
-/// A sparse symmetric matrix by rows that somebody else owns: the entries of row i are those from
-/// `row_starts[i]` to
-/// `row_starts[i + 1] - 1`.
+/// A sparse matrix by rows that somebody else owns: the entries of row i are those from
+/// `row_starts[i]` to `row_starts[i + 1] - 1`.
 struct sparse_view {
     /// Number of rows.
     std::size_t rows = 0;
@@ -320,7 +340,7 @@ inline std::vector<double> ata(const sparse_view& a, std::size_t cols,
     const double* diagonal = weights.empty() ? nullptr : weights.data();
     detail::require(!diagonal || weights.size() == a.rows, CATA_ERR_SHAPE,
                     "weights: must have an element for each row of a");
-    std::vector<double> c(cols * cols);
+    std::vector<double> c = detail::square<double>(cols);
     detail::call call(how);
     call.finish(cata_ata_sparse_f64(CATA_ROW_MAJOR, CATA_BOTH, a.rows, cols, 1.0, a.row_starts,
                                     a.columns, a.entries, diagonal, 0.0, c.data(), cols ? cols : 1,

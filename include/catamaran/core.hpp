@@ -167,10 +167,6 @@ constexpr auto of_scalar(Double in_double, Float in_float) noexcept {
     }
 }
 
-}  // namespace detail
-
-namespace detail {
-
 /// A progress callback for the length of a call; carries an exception of it across the call.
 class watcher {
 public:

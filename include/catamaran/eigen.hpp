@@ -24,7 +24,7 @@ auto view(Matrix& a) {
                                             : col_major(a.data(), rows, cols, leading);
 }
 
-/// Rows of eigenvectors, and the like, as a matrix of Eigen, without a copy.
+/// Eigenvectors, a column each, as a matrix of Eigen, without a copy.
 inline Eigen::Map<const Eigen::MatrixXd> map(const eigenpairs& pairs) {
     return {pairs.vectors.data(), static_cast<Eigen::Index>(pairs.rows),
             static_cast<Eigen::Index>(pairs.values.size())};
@@ -106,7 +106,7 @@ const T* rows_of_three(const Eigen::MatrixBase<Derived>& a, std::vector<std::arr
         for (Eigen::Index j = 0; j < 3; ++j) {
             const S value = a(i, j);
             const auto stored = static_cast<T>(value);
-            require(std::is_floating_point<S>::value || static_cast<S>(stored) == value,
+            require(std::is_floating_point<T>::value || static_cast<S>(stored) == value,
                     CATA_ERR_ARGUMENT, wanted);
             copy[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = stored;
         }

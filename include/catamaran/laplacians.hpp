@@ -74,8 +74,7 @@ inline laplacian_matrices laplacian(const mesh_view& mesh, const eigs_options& h
 
 /// The Laplacian of the surface that points are samples of, each triangulated with its `neighbours`
 /// nearest ones; 0: 30.
-inline laplacian_matrices laplacian_of_points(const point_list& points,
-                                              std::size_t neighbours = 0,
+inline laplacian_matrices laplacian_of_points(const point_list& points, std::size_t neighbours = 0,
                                               const eigs_options& how = {}) {
     detail::eigs_call call(how);
     cata_laplacian* made = nullptr;

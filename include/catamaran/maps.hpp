@@ -417,10 +417,8 @@ struct detailed_shape {
 };
 
 /// The vertices of the target with the details of the source: cata_transfer_details.
-inline point_list transfer_details(const detailed_shape& source,
-                                                           const detailed_shape& target,
-                                                           matrix_view<const double> map,
-                                                           const basis_options& how = {}) {
+inline point_list transfer_details(const detailed_shape& source, const detailed_shape& target,
+                                   matrix_view<const double> map, const basis_options& how = {}) {
     detail::require_map(map, source.functions, target.functions);
     point_list moved(target.mesh.n_vertices);
     detail::basis_call call(how);

@@ -8,6 +8,7 @@ use catamaran::faer::Mat;
 use catamaran::io::{Output, Overwrite, accumulator_scalar, read_accumulator, write_accumulator};
 use catamaran::rows::{Accumulator as Sum, DenseRows, ExtendedGram, RowBounds, scalar_of};
 use catamaran::{Error, Real, Uplo};
+use numpy::{PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -15,6 +16,7 @@ use pyo3::types::{PyBytes, PyDict};
 use crate::array::{Array, from_matrix, from_vec};
 use crate::error::{exception, refused};
 use crate::exclusive::{Exclusive, Guard};
+use crate::frame::array_of;
 use crate::gram::{Fit, FitOptions, components_of};
 use crate::options::{Products, Threads, par, word};
 use crate::scalar::Scalar;
@@ -89,12 +91,13 @@ impl State {
         change: Change<'_, '_>,
     ) -> PyResult<()> {
         let mut started = false;
+        let rows = array_of("rows", rows)?;
         let changed = match &mut self.sums {
-            Sums::F32(sum) => blocks::<f32, f32>(py, sum, rows, change, &mut started),
-            Sums::F64(sum) if is_single(rows)? => {
-                blocks::<f32, f64>(py, sum, rows, change, &mut started)
+            Sums::F32(sum) => blocks::<f32, f32>(py, sum, &rows, change, &mut started),
+            Sums::F64(sum) if is_single(&rows) => {
+                blocks::<f32, f64>(py, sum, &rows, change, &mut started)
             }
-            Sums::F64(sum) => blocks::<f64, f64>(py, sum, rows, change, &mut started),
+            Sums::F64(sum) => blocks::<f64, f64>(py, sum, &rows, change, &mut started),
         };
         if let Err(error) = &changed
             && started
@@ -128,10 +131,9 @@ impl Accumulator {
     }
 }
 
-fn is_single(rows: &Bound<'_, PyAny>) -> PyResult<bool> {
-    use numpy::{PyArrayDescrMethods, PyUntypedArrayMethods};
-    let kind = crate::array::untyped("rows", rows)?.dtype();
-    Ok(kind.kind() == b'f' && kind.itemsize() == 4)
+fn is_single(rows: &Bound<'_, PyUntypedArray>) -> bool {
+    let kind = rows.dtype();
+    kind.kind() == b'f' && kind.itemsize() == 4
 }
 
 /// A copy, bit for bit.

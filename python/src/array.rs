@@ -226,7 +226,8 @@ fn converted<'py, T: Scalar>(
     let longer = array.dtype().kind() == b'f' && array.dtype().itemsize() > 8;
     let casting = (array.dtype(), &wanted, intern!(py, "same_kind"));
     let may = numpy(py)?.call_method1(intern!(py, "can_cast"), casting)?.is_truthy()?;
-    if longer || !may {
+    // No numbers, such as those of an empty list, are of any type.
+    if !array.is_empty() && (longer || !may) {
         let why = format!("{name}: {} can't be converted to {}", array.dtype(), T::NAME);
         return Err(PyTypeError::new_err(why));
     }

@@ -5,17 +5,18 @@ use std::borrow::Cow;
 use catamaran::blas::BlasReal;
 use catamaran::faer::complex::Complex;
 use catamaran::io::SparseRows;
-use catamaran::product::ata_sparse as sparse_product;
+use catamaran::product::{ata_batched_into, ata_sparse as sparse_product};
 use catamaran::rows::{Center, DenseRows, RowBlocks, RowOptions, ata_rows};
 use catamaran::{AtaOptions, Real, aha_into, ahb_into, ata_into as product, atb_into};
 use numpy::{PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::PyTypeError;
+use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::PyBool;
 
 use crate::array::{Array, untyped, zeros};
 use crate::error::refused;
-use crate::frame::Frame;
+use crate::frame::{Frame, array_of};
 use crate::options::Products;
 use crate::scalar::Scalar;
 use crate::sparse::Csr;
@@ -70,11 +71,12 @@ pub fn ata<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let options = products.options()?;
+    let frame = Frame::of("a", a)?;
     // Whether `out` is memory of a frame is not known; a small frame is an array soon.
-    let frame = Frame::of("a", a)?.filter(|frame| b.is_none() && out.is_none() && frame.is_large());
-    if let Some(frame) = frame {
+    let is_read = |frame: &&Frame| b.is_none() && out.is_none() && frame.is_large();
+    if let Some(frame) = frame.as_ref().filter(is_read) {
         let call = Call { b: None, weights, center, out, alpha, beta, options, progress };
-        let (mut rows, n) = (&frame, frame.shape().1);
+        let (mut rows, n) = (frame, frame.shape().1);
         return match frame.is_single && !wide {
             true => {
                 let about = About::<f32>::new(weights, center)?;
@@ -86,12 +88,15 @@ pub fn ata<'py>(
             }
         };
     }
-    let a = untyped("a", a)?;
+    let a = match frame {
+        Some(frame) => frame.whole(py)?,
+        None => untyped("a", a)?,
+    };
     let kind = |array: &Bound<'py, PyUntypedArray>| {
         let kind = array.dtype();
         (kind.kind(), kind.itemsize())
     };
-    let b = b.map(|b| untyped("b", b)).transpose()?;
+    let b = b.map(|b| array_of("b", b)).transpose()?;
     let mut kinds = vec![kind(&a)];
     kinds.extend(b.as_ref().map(kind));
     let call = Call { b: b.as_deref(), weights, center, out, alpha, beta, options, progress };
@@ -126,6 +131,10 @@ where
     if call.has_rows_options() {
         return rows::<T, T>(py, a, call);
     }
+    let array = a.cast::<PyUntypedArray>().map(|array| array.shape());
+    if let (Ok(&[count, m, n]), None) = (array, call.b) {
+        return stack::<T>(py, a, [count, m, n], call);
+    }
     let a = Array::<T>::new("a", a, &[2])?;
     let (m, n) = a.shape();
     let (alpha, beta) = (T::from_f64(call.alpha), T::from_f64(call.beta));
@@ -150,6 +159,44 @@ where
         atb_into(alpha, a, b, beta, view, &options.clone().progress(progress))
     })?;
     Ok(c.into_any())
+}
+
+/// The products of a stack of matrices, count x m x n: a stack, count x n x n.
+fn stack<'py, T>(
+    py: Python<'py>,
+    a: &Bound<'py, PyAny>,
+    [count, m, n]: [usize; 3],
+    call: Call<'_, 'py>,
+) -> PyResult<Bound<'py, PyAny>>
+where
+    T: Scalar + BlasReal,
+{
+    if call.out.is_some() {
+        return Err(refused("out", "not with a stack of matrices"));
+    }
+    let reshape = intern!(py, "reshape");
+    // Copied where the rows of one matrix and of the next one are not at one distance.
+    let a = a.call_method1(reshape, ((count.saturating_mul(m), n),))?;
+    let a = Array::<T>::new("a", &a, &[2])?;
+    let mut c = zeros::<T>(py, [count.saturating_mul(n), n])?;
+    let (view, mut rest) = (a.view(), c.view_mut());
+    // Empty results take no memory, whatever their number.
+    let filled = if n == 0 { 0 } else { count };
+    let left: Vec<_> = (0..filled).map(|i| view.subrows(i * m, m)).collect();
+    let mut products = Vec::with_capacity(filled);
+    for _ in 0..filled {
+        let (first, others) = rest.split_at_row_mut(n);
+        products.push(first);
+        rest = others;
+    }
+    let (alpha, beta) = (T::from_f64(call.alpha), T::from_f64(call.beta));
+    let length = Length::of(count as f64 * m as f64 * n as f64 * n as f64 / 2.0);
+    let options = &call.options;
+    run(py, length, call.progress, move |progress| {
+        let options = options.clone().progress(progress);
+        ata_batched_into(alpha, &left, beta, &mut products, &options)
+    })?;
+    c.into_any().call_method1(reshape, ((count, n, n),))
 }
 
 /// The weights of rows, and what is subtracted from each.

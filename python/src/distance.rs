@@ -4,29 +4,31 @@ use catamaran_geometry::mesh::{Dijkstra, Graph, HeatMethod, HeatOptions, SearchL
 use pyo3::prelude::*;
 
 use crate::array::{from_rows, from_vec};
+use crate::error::refused;
 use crate::mesh::mesh;
-use crate::options::{Threads, laplacian_kind, par, vertices};
+use crate::options::{Threads, laplacian_kind, par, vertex, vertices, word};
 use crate::task::{Length, run};
 
 /// The distance of each vertex from the nearest source, by the heat method or along edges; see
 /// `catamaran.distances`.
 #[pyfunction]
-#[pyo3(signature = (v, f, sources, heat, time, kind, threads, progress))]
+#[pyo3(signature = (v, f, sources, method, time, kind, threads, progress))]
 pub fn distances<'py>(
     py: Python<'py>,
     v: &Bound<'py, PyAny>,
     f: &Bound<'py, PyAny>,
     sources: &Bound<'py, PyAny>,
-    heat: bool,
+    method: &str,
     time: f64,
     kind: &str,
     threads: Threads,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
+    let is_heat = word("method", method, &[("heat", true), ("edges", false)])?;
     let options = HeatOptions::new().time(time).kind(laplacian_kind(kind)?).par(par(threads)?);
     let (mesh, sources) = (mesh(v, f)?, vertices("sources", sources)?);
     let found = run(py, Length::Long, progress, move |_| {
-        if heat {
+        if is_heat {
             return HeatMethod::new(&mesh, &options)?.distances(&sources);
         }
         let graph = Graph::of_mesh(&mesh);
@@ -40,17 +42,20 @@ pub fn distances<'py>(
 
 /// The shortest path along edges between two vertices: its vertices, their positions, its length.
 #[pyfunction]
-#[pyo3(signature = (v, f, ends))]
+#[pyo3(signature = (v, f, start, end))]
 pub fn shortest_path<'py>(
     py: Python<'py>,
     v: &Bound<'py, PyAny>,
     f: &Bound<'py, PyAny>,
-    ends: &Bound<'py, PyAny>,
+    start: i64,
+    end: i64,
 ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>, f64)> {
-    let (mesh, ends) = (mesh(v, f)?, vertices("ends", ends)?);
-    let &[start, end] = &ends[..] else {
-        return Err(crate::error::refused("ends", "expected two vertices"));
-    };
+    let (mesh, start, end) = (mesh(v, f)?, vertex("start", start)?, vertex("end", end)?);
+    for (name, end) in [("start", start), ("end", end)] {
+        if end as usize >= mesh.vertices().len() {
+            return Err(refused(name, format_args!("there is no vertex {end}")));
+        }
+    }
     let (path, points, length) = run(py, Length::Long, None, move |_| {
         let graph = Graph::of_mesh(&mesh);
         let mut search = Dijkstra::new(&graph);

@@ -9,7 +9,7 @@ use numpy::PyUntypedArray;
 use pyo3::intern;
 use pyo3::prelude::*;
 
-use crate::array::Array;
+use crate::array::{Array, untyped};
 use crate::error::exception;
 
 /// Entries that are converted at a time.
@@ -19,6 +19,8 @@ const BLOCK: usize = 1 << 20;
 pub struct Frame {
     /// A `catamaran._frames.Frame`.
     frame: Py<PyAny>,
+    /// That of the argument, in errors.
+    name: &'static str,
     shape: (usize, usize),
     /// Whether all columns are in single precision.
     pub is_single: bool,
@@ -27,7 +29,7 @@ pub struct Frame {
 impl Frame {
     /// The frame that an object is; `None` for arrays, and for what is one without a copy. `name`
     /// is that of the argument, in errors.
-    pub fn of(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Option<Self>> {
+    pub fn of(name: &'static str, object: &Bound<'_, PyAny>) -> PyResult<Option<Self>> {
         if object.cast::<PyUntypedArray>().is_ok() {
             return Ok(None);
         }
@@ -39,7 +41,13 @@ impl Frame {
         }
         let shape = found.getattr(intern!(py, "shape"))?.extract()?;
         let is_single = found.getattr(intern!(py, "is_single"))?.extract()?;
-        Ok(Some(Self { frame: found.unbind(), shape, is_single }))
+        Ok(Some(Self { frame: found.unbind(), name, shape, is_single }))
+    }
+
+    /// All rows as an array.
+    pub fn whole<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyUntypedArray>> {
+        let rows = self.frame.bind(py).call_method1(intern!(py, "rows"), (0, self.shape.0))?;
+        Ok(rows.cast_into()?)
     }
 
     /// Rows and columns.
@@ -59,7 +67,8 @@ impl Frame {
             let rows = self.frame.bind(py).getattr(intern!(py, "rows"))?;
             for start in (0..out.nrows()).step_by(height) {
                 let count = height.min(out.nrows() - start);
-                let block = Array::<f64>::new("rows", &rows.call1((first + start, count))?, &[2])?;
+                let block =
+                    Array::<f64>::new(self.name, &rows.call1((first + start, count))?, &[2])?;
                 let out = out.rb_mut().subrows_mut(start, count);
                 DenseRows(block.view()).read(0, out).map_err(exception)?;
             }
@@ -67,10 +76,21 @@ impl Frame {
         });
         match read {
             Some(Ok(())) => Ok(()),
-            Some(Err(error)) => Err(Error::Argument { what: "rows", why: error.to_string() }),
+            Some(Err(error)) => Err(Error::Argument { what: self.name, why: error.to_string() }),
             // The interpreter has ended.
             None => Err(Error::Cancelled),
         }
+    }
+}
+
+/// An object as an array: a frame as a whole, anything else as [`untyped`] has it.
+pub fn array_of<'py>(
+    name: &'static str,
+    object: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyUntypedArray>> {
+    match Frame::of(name, object)? {
+        Some(frame) => frame.whole(object.py()),
+        None => untyped(name, object),
     }
 }
 

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 
 use crate::array::{Array, from_rows, from_vec, untyped};
 use crate::error::{exception, refused};
-use crate::options::{Threads, laplacian as options, par};
+use crate::options::{Threads, laplacian as options, par, vertex};
 use crate::sparse::{Parts, mass_parts, parts};
 use crate::surface::Surface;
 use crate::task::{Length, run};
@@ -36,17 +36,13 @@ fn triangles(name: &str, faces: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
     use numpy::{PyArrayDescrMethods, PyUntypedArrayMethods};
     let array = untyped(name, faces)?;
     let kind = array.dtype().kind();
+    // Any type will do for no faces.
     if !matches!(kind, b'i' | b'u') && !array.is_empty() {
         return Err(PyTypeError::new_err(format!(
             "{name}: expected integers, got {}",
             array.dtype()
         )));
     }
-    let array = match array.is_empty() {
-        // Any type will do for no faces.
-        true => array.call_method1("astype", (numpy::dtype::<i64>(array.py()),))?,
-        false => array.into_any(),
-    };
     let array = Array::<i64>::new(name, &array, &[2])?;
     let view = array.view();
     if view.ncols() != 3 {
@@ -128,8 +124,5 @@ pub fn laplacian<'py>(
 
 /// The vertex that sampling starts at.
 pub fn first_vertex(first: Option<i64>) -> PyResult<Option<u32>> {
-    let number = |v: i64| {
-        u32::try_from(v).map_err(|_| refused("first", format_args!("there is no vertex {v}")))
-    };
-    first.map(number).transpose()
+    first.map(|v| vertex("first", v)).transpose()
 }

@@ -5,11 +5,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use catamaran::{Accuracy, AtaOptions, Par, SchemeChoice, Uplo};
 use catamaran_geometry::mesh::{Boundary, LaplacianKind, LaplacianOptions, MassKind};
 use catamaran_geometry::spectral::Orthogonalization;
+use numpy::{PyArrayDescrMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyString, PyTuple};
 
-use crate::array::Array;
+use crate::array::{Array, untyped};
 use crate::error::refused;
 
 /// The value that a word stands for.
@@ -35,7 +36,9 @@ where
             error
         } else if error.is_instance_of::<PyTypeError>(py) {
             PyTypeError::new_err(why)
-        } else if error.is_instance_of::<PyOverflowError>(py) {
+        } else if error.is_instance_of::<PyOverflowError>(py)
+            || error.is_instance_of::<PyValueError>(py)
+        {
             PyValueError::new_err(why)
         } else {
             error
@@ -211,13 +214,21 @@ fn limits(boundary: &Bound<'_, PyAny>) -> PyResult<Boundary> {
 
 /// Numbers of vertices, from 0; whether a mesh has them is for the library to say.
 pub fn vertices(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<u32>> {
-    let array = Array::<i64>::new(name, object, &[1])?;
+    let array = untyped(name, object)?;
+    if array.dtype().kind() == b'b' {
+        // A mask would be the vertices 0 and 1.
+        let why = format!("{name}: truth values, expected numbers: numpy.flatnonzero has them");
+        return Err(PyTypeError::new_err(why));
+    }
+    let array = Array::<i64>::new(name, &array, &[1])?;
     let entries = array.entries();
-    let numbers = entries.iter().map(|&v| {
-        u32::try_from(v)
-            .map_err(|_| refused(name, format_args!("{v} is not the number of a vertex")))
-    });
-    numbers.collect()
+    entries.iter().map(|&v| vertex(name, v)).collect()
+}
+
+/// The number of a vertex, as [`vertices`] has them.
+pub fn vertex(name: &str, number: i64) -> PyResult<u32> {
+    u32::try_from(number)
+        .map_err(|_| refused(name, format_args!("{number} is not the number of a vertex")))
 }
 
 /// How products of eigenfunctions are orthogonalized.

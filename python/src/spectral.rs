@@ -20,7 +20,7 @@ use pyo3::prelude::*;
 use crate::array::{Array, from_matrix, from_vec};
 use crate::error::{exception, refused};
 use crate::mesh::{Mesh, arrays, mesh};
-use crate::options::{Threads, laplacian_kind, orthogonalization, par, vertices, word};
+use crate::options::{Threads, laplacian_kind, orthogonalization, par, vertex, vertices, word};
 use crate::sparse::{Parts, mass as mass_of, mass_parts};
 use crate::surface::{Pieces, Surface};
 use crate::task::{Length, run};
@@ -326,9 +326,7 @@ fn pairs_of_vertices(pairs: &Bound<'_, PyAny>) -> PyResult<Vec<(u32, u32)>> {
     if view.ncols() != 2 {
         return Err(refused("landmarks", format_args!("expected 2 columns, got {}", view.ncols())));
     }
-    let number = |v: i64| {
-        u32::try_from(v).map_err(|_| refused("landmarks", format_args!("there is no vertex {v}")))
-    };
+    let number = |v: i64| vertex("landmarks", v);
     (0..view.nrows()).map(|i| Ok((number(view[(i, 0)])?, number(view[(i, 1)])?))).collect()
 }
 

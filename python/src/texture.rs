@@ -137,7 +137,7 @@ arguments! {
         roots: Option<Vec<(f64, f64)>>,
         iterations: u32,
         theta: f64,
-        shader: bool,
+        gradient: String,
         scale: f64,
         offset: [f64; 3],
         w: f64,
@@ -173,7 +173,8 @@ pub fn newton<'py>(
     };
     let kind = word("kind", &at.kind, &[("list", 0), ("plane", 1), ("cube", 2)])?;
     let par = par(fractal.threads)?;
-    let gradient = if fractal.shader { Gradient::Shader } else { Gradient::Thesis };
+    let known = [("thesis", Gradient::Thesis), ("shader", Gradient::Shader)];
+    let gradient = word("gradient", &fractal.gradient, &known)?;
     let options = NewtonOptions::new()
         .polynomial(polynomial)
         .iterations(fractal.iterations)

@@ -40,12 +40,15 @@ def results():
         catamaran.ata(few),
         catamaran.cov(few, fweights=weights),
         catamaran.lstsq(few, targets).x,
+        catamaran.lstsq(few, targets).predict(few),
         catamaran.svd(few).s,
         catamaran.svd(few, compute_u=True).u,
         catamaran.pca(few, 2).components,
         accumulator.cov(),
         accumulator.result(alpha=0.3),
         *catamaran.eigsh(vertices, faces, 5)[:2],
+        *catamaran.Eigenbasis(vertices, faces, 5).split(vertices),
+        catamaran.decimate(vertices, faces, 40).carried(faces, vertices),
     ]
     return [np.asarray(x).tobytes() for x in found]
 

@@ -66,6 +66,20 @@ def test_a_column_without_numbers_is_named():
         catamaran.pca(table)
 
 
+def test_other_calls_take_frames_too(rng):
+    columns = [rng.standard_normal(60), rng.integers(0, 9, 60)]
+    a, b, table = np.column_stack(columns), rng.standard_normal(60), Table(columns)
+    assert np.array_equal(catamaran.corrcoef(table), catamaran.corrcoef(a))
+    assert np.array_equal(catamaran.cov(table), catamaran.cov(a))
+    assert np.array_equal(catamaran.ata(table), catamaran.ata(a))
+    assert np.array_equal(catamaran.ata(table, table), catamaran.ata(a, a))
+    sums, right = catamaran.Accumulator(2), catamaran.Accumulator(2)
+    sums.add(table)
+    right.add(a)
+    assert np.array_equal(sums.result(), right.result())
+    assert np.array_equal(catamaran.lstsq(a, b).predict(table), catamaran.lstsq(a, b).predict(a))
+
+
 def test_arrays_that_only_export_dlpack_are_not_copied(rng):
     a = rng.standard_normal((30, 4))
     assert np.array_equal(catamaran.ata(Exported(a[::2, 1:])), catamaran.ata(a[::2, 1:]))

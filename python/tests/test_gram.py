@@ -197,3 +197,21 @@ def test_categories_of_a_data_frame_keep_their_order(rng):
     x, b = rng.standard_normal((6, 1)), rng.standard_normal(6)
     found = catamaran.lstsq(x, b, factors={"size": Categorical()}, missing="drop")
     assert found.factor_columns == ("size[large]",) and found.left_out == (4,)
+
+
+def test_labels_that_do_not_equal_themselves_are_missing(rng):
+    class NA:
+        """What pandas has for missing words: it is neither true nor false."""
+
+        def __eq__(self, other):
+            return self
+
+        def __bool__(self):
+            raise TypeError("ambiguous")
+
+    labels = ["a", NA(), np.str_("b"), float("nan"), np.datetime64("NaT"), "b", "a", None]
+    x, b = rng.standard_normal((8, 1)), rng.standard_normal(8)
+    found = catamaran.lstsq(x, b, factors={"f": labels}, missing="drop")
+    assert found.left_out == (1, 3, 4, 7) and found.factor_columns == ("f[b]",)
+    words = ["a", float("nan"), "b", "b", "a", "a", "b", "a"]
+    assert catamaran.lstsq(x, b, factors={"f": words}, missing="drop").left_out == (1,)

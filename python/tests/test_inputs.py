@@ -22,7 +22,7 @@ def refused(error, match, function, *arguments, **options):
     ("a", "error", "match"),
     [
         (A.ravel(), ValueError, "a: expected an array of 2 dimensions, got 1"),
-        (A[None], ValueError, "a: expected an array of 2 dimensions, got 3"),
+        (A[None, None], ValueError, "a: expected an array of 2 dimensions, got 4"),
         (3.0, ValueError, "a: expected an array of 2 dimensions, got 0"),
         (np.array([["x"]]), TypeError, "a: .* can't be converted to float64"),
         (np.array([[object()]]), TypeError, "a: object can't be converted to float64"),
@@ -32,6 +32,14 @@ def refused(error, match, function, *arguments, **options):
 )
 def test_wrong_matrices(a, error, match):
     refused(error, match, catamaran.ata, a)
+
+
+@pytest.mark.parametrize("options", [{"b": A}, {"weights": np.ones(4)}, {"center": True}])
+def test_what_a_stack_of_matrices_does_not_take(options):
+    match = "a: expected an array of 2 dimensions, got 3"
+    refused(ValueError, match, catamaran.ata, A[None], **options)
+    refused(ValueError, "out: not with a stack", catamaran.ata, A[None], out=SQUARE[None])
+    refused(ValueError, match, catamaran.ata, A[None] + 1j)
 
 
 @pytest.mark.parametrize(
@@ -116,6 +124,7 @@ def test_options_of_dictionaries_are_named():
     refused(TypeError, "^agents: ", catamaran.slime, V, F, 1, agents="x")
     refused(ValueError, "^iterations: ", catamaran.newton, size=4, iterations=-1)
     refused(ValueError, "^skip: ", catamaran.read, "a.csv", skip=-1)
+    refused(ValueError, "^separator: ", catamaran.read, "a.csv", separator=";;")
     refused(TypeError, "^n_components: ", catamaran.pca, A, "x")
     for call in (
         lambda threads: catamaran.lstsq(A, A[:, 0], threads=threads),
@@ -206,9 +215,7 @@ def test_wrong_words_and_numbers_of_chapters():
     refused(ValueError, "boundary: -1 is not the number", catamaran.laplacian, V, F, boundary=[-1])
     refused(ValueError, "k: ", catamaran.eigsh, V, F, 99)
     refused(ValueError, "tolerance", catamaran.eigsh, V, F, 3, tol=1.0)
-    refused(
-        ValueError, "first: there is no vertex -1", catamaran.farthest_points, V, F, 2, first=-1
-    )
+    refused(ValueError, "first: -1 is not the", catamaran.farthest_points, V, F, 2, first=-1)
     refused(ValueError, "method: 'x' is not one of", catamaran.decimate, V, F, 12, method="x")
     refused(
         ValueError,
@@ -229,3 +236,17 @@ def test_wrong_words_and_numbers_of_chapters():
 def test_too_little_memory():
     # Of no rows: nothing to multiply, and a result that no memory holds.
     refused(MemoryError, "", catamaran.ata, np.empty((0, 2**27)))
+
+
+def test_numbers_of_vertices_may_be_none_but_no_mask():
+    v, f = shapes.grid(4, 4)
+    natural = catamaran.laplacian(v, f)
+    assert (catamaran.laplacian(v, f, boundary=[]).stiffness != natural.stiffness).nnz == 0
+    mask = v[:, 0] == 0
+    held = catamaran.laplacian(v, f, boundary=np.flatnonzero(mask)).kept
+    assert np.array_equal(held, np.flatnonzero(~mask))
+    refused(TypeError, "^boundary: truth values", catamaran.laplacian, v, f, boundary=mask)
+    refused(TypeError, "^sources: truth values", catamaran.distances, v, f, mask)
+    refused(ValueError, "^start: -1 is not", catamaran.shortest_path, v, f, -1, 0)
+    refused(ValueError, "^end: -1 is not", catamaran.shortest_path, v, f, 0, -1)
+    refused(ValueError, "^end: there is no vertex 25", catamaran.shortest_path, v, f, 0, 25)

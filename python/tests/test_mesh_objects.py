@@ -84,3 +84,10 @@ def test_what_is_no_triangle_mesh_is_refused():
         catamaran.laplacian(quads)
     with pytest.raises(TypeError, match="f: missing"):
         catamaran.write_mesh("a.off", V)
+
+
+def test_faces_beside_a_mesh_or_a_basis_are_refused():
+    with pytest.raises(TypeError, match="f: not together with a mesh"):
+        catamaran.Eigenbasis(catamaran.Mesh(V, F), 4)
+    with pytest.raises(TypeError, match="f: not together with a basis"):
+        catamaran.eigenproducts(catamaran.Eigenbasis(V, F, 4), 3)

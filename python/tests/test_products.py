@@ -44,6 +44,17 @@ def test_atb_is_that_of_numpy(rng, dtype):
         assert np.allclose(found, expected, atol=tolerance)
 
 
+@pytest.mark.parametrize("dtype", [np.float64, np.float32, np.int32])
+def test_products_of_a_stack_have_the_bytes_of_single_ones(rng, dtype):
+    for count, m, n in [(0, 3, 2), (1, 5, 3), (40, 0, 3), (40, 3, 0), (40, 13, 7), (3, 200, 90)]:
+        a = (100 * rng.standard_normal((count, m, n))).astype(dtype)
+        for stack in (a, a[::-1], np.asfortranarray(a)):
+            found = catamaran.ata(stack, alpha=0.5, uplo="lower")
+            assert found.shape == (count, n, n)
+            for one, matrix in zip(found, stack):
+                assert np.array_equal(one, catamaran.ata(matrix, alpha=0.5, uplo="lower"))
+
+
 def test_any_strides_give_the_same_bytes(rng):
     big = rng.standard_normal((60, 40))
     views = [

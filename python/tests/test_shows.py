@@ -23,6 +23,9 @@ def test_least_squares_print_as_a_table(rng):
     both = str(catamaran.lstsq(a, np.column_stack([b, -b]), standard_errors=False))
     assert "target 0: " in both and "target 1: " in both and "standard" not in both
     assert repr(fit) == "LeastSquares(50 observations, rank 3)"
+    # A constant alone.
+    lines = str(catamaran.lstsq(a[:, :0], b, intercept=True)).splitlines()
+    assert len(lines) == 4 and lines[3].split()[0] == "intercept"
 
 
 def test_components_print_as_a_table_that_leaves_out_its_middle(rng):

@@ -28,6 +28,10 @@ def test_numbers_names_and_what_was_decided(tmp_path):
     assert named.levels == {1: ["Bonn", "Ulm"]}
     with pytest.warns(UserWarning):
         assert catamaran.read(path, factors=["none"]).levels == {}
+    with pytest.warns(UserWarning):
+        assert catamaran.read(path, factors="ort", columns=["x", "ort"]).levels == named.levels
+    # Tables are equal only to themselves, and can be keys.
+    assert table == table and table != named and len({table, named}) == 2
 
 
 def test_factors_of_a_table_go_into_least_squares(tmp_path):
@@ -67,6 +71,7 @@ def test_options_decide_what_a_file_leaves_open(tmp_path):
     with pytest.warns(UserWarning, match="1 row with a missing cell left out"):
         assert catamaran.read(path, missing="drop").dropped_rows == 1
     assert np.isnan(catamaran.read(path, missing="nan").values[1, 0])
+    assert np.isnan(catamaran.read(path, missing="nan", missing_words="NA").values[1, 0])
     with pytest.raises(ValueError, match="missing: 'no' is not one of"):
         catamaran.read(path, missing="no")
 
@@ -78,6 +83,10 @@ def test_other_formats_are_read(tmp_path):
     text = "%%MatrixMarket matrix coordinate complex hermitian\n2 2 2\n1 1 2 0\n2 1 0.5 -1.25\n"
     found = catamaran.read(write(tmp_path, text, "b.mtx")).values
     assert found.tolist() == [[2, 0.5 + 1.25j], [0.5 - 1.25j, 0]]
+    parts = np.array([[complex(1, np.inf), complex(-0.0, 2)]])
+    np.save(path, parts)
+    found = catamaran.read(path).values
+    assert np.array_equal(found.real, parts.real) and np.array_equal(found.imag, parts.imag)
     text = "%%MatrixMarket matrix coordinate real general\n2 2 1\n2 1 5.0\n"
     sparse = catamaran.read(write(tmp_path, text, "a.mtx")).values
     assert sparse.toarray().tolist() == [[0, 0], [5, 0]]

@@ -18,6 +18,7 @@ V, F = shapes.icosphere(1)
 CALLS = {
     "Accuracy": lambda word: catamaran.ata(A, accuracy=word),
     "Boundary": lambda word: catamaran.laplacian(V, F, boundary=word),
+    "DistanceMethod": lambda word: catamaran.distances(V, F, [0], method=word),
     "FileFormat": lambda word: catamaran.read("a.csv", format=word),
     "Gradient": lambda word: catamaran.newton(size=2, gradient=word),
     "Kind": lambda word: catamaran.laplacian(V, F, kind=word),
@@ -32,6 +33,7 @@ CALLS = {
     "Scheme": lambda word: catamaran.ata(A, scheme=word),
     "Sums": lambda word: catamaran.Accumulator(3, kind=word),
     "Triangle": lambda word: catamaran.ata(A, uplo=word),
+    "Weld": lambda word: catamaran.repair(V, F, weld=word),
 }
 
 

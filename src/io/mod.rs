@@ -147,7 +147,7 @@ pub fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Matrix> {
 }
 
 /// Reads the matrix in the file at `path` as [`read`] does, the names and numbers of its columns,
-/// and how a text table was read.
+/// and how a text table or columnar file was read.
 ///
 /// ```
 /// use catamaran::io::{ReadOptions, read_file};

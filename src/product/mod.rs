@@ -11,6 +11,7 @@
 //! levels. The bound holds for [`ata_into`], [`atb_into`], [`ata_rows`](crate::rows::ata_rows),
 //! streams and ranks, unless products of the norms leave the range of the numbers.
 
+mod batched;
 pub(crate) mod combine;
 mod complex;
 pub(crate) mod exact;
@@ -25,6 +26,7 @@ mod verify;
 
 use faer::{MatMut, MatRef};
 
+pub use batched::ata_batched_into;
 pub use complex::{ComplexPlan, aha_into, aha_planned, ahb_into, ahb_planned};
 pub use options::{Accuracy, AtaOptions, SchemeChoice, Uplo};
 pub use plan::{Node, Plan, Task, thread_levels};

@@ -6,9 +6,9 @@ use std::ops::Range;
 /// for all of them.
 ///
 /// A coded row has the entries of the other columns, in their order, and then for each factor 0 for
-/// the base, k for the k-th column of the factor, or NaN for a missing level: the form in which
-/// [`RowBlocks::read_coded`](super::RowBlocks::read_coded) returns rows. Sums in extended precision are the same as those of the
-/// whole rows, and take neither their memory nor their time.
+/// the base, k for the k-th column of the factor, or NaN for a missing level.
+/// [`RowBlocks::read_coded`](super::RowBlocks::read_coded) reads rows in this form. Sums in
+/// extended precision are the same as those of the whole rows, and take less memory and time.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Coding {
     /// Columns of numbers, ascending.

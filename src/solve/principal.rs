@@ -203,7 +203,7 @@ impl PrincipalComponents {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Shape`] when the numbers differ.
+    /// [`Error::Shape`] names the part that does not have as many numbers as the components need.
     pub fn from_parts(
         components: Mat<f64>,
         spectrum: [Vec<f64>; 3],

@@ -314,6 +314,37 @@ static void LOCAL(test_exact_not_finite)(void)
     free(a);
 }
 
+/* A batch, by distances and by pointers in another order, against single calls, bit by bit. */
+static void LOCAL(test_batched)(int32_t layout, size_t m, size_t n)
+{
+    enum { COUNT = 7 };
+    size_t lda = (layout == CATA_ROW_MAJOR ? n : m) + 2, ldc = n + 1;
+    size_t stride_a = LOCAL(len)(layout, m, n, lda) + 3;
+    size_t stride_c = LOCAL(len)(layout, n, n, ldc) + 2, len = COUNT * stride_c;
+    REAL *a = LOCAL(make)(COUNT * stride_a, 1), *c = LOCAL(make)(len, 2);
+    REAL *d = LOCAL(copy)(c, len), *e = LOCAL(copy)(c, len), *to[COUNT];
+    const REAL *from[COUNT];
+    for (size_t i = 0; i < COUNT; i++) {
+        CHECK_STATUS(NAME(cata_ata)(layout, CATA_LOWER, m, n, 2, a + i * stride_a, lda, 1,
+                                    c + i * stride_c, ldc, NULL),
+                     CATA_OK);
+        from[COUNT - 1 - i] = a + i * stride_a;
+        to[COUNT - 1 - i] = e + i * stride_c;
+    }
+    CHECK_STATUS(NAME(cata_ata_batched)(layout, CATA_LOWER, COUNT, m, n, 2, a, lda, stride_a, 1, d,
+                                        ldc, stride_c, NULL),
+                 CATA_OK);
+    CHECK(memcmp(c, d, len * sizeof(REAL)) == 0);
+    CHECK_STATUS(NAME(cata_ata_batched_pointers)(layout, CATA_LOWER, COUNT, m, n, 2, from, lda, 1,
+                                                 to, ldc, NULL),
+                 CATA_OK);
+    CHECK(memcmp(c, e, len * sizeof(REAL)) == 0);
+    free(a);
+    free(c);
+    free(d);
+    free(e);
+}
+
 static void LOCAL(test_all)(int quick)
 {
     static const size_t all_sizes[] = {0, 1, 2, 7, 31, 127, 128, 257};
@@ -333,6 +364,9 @@ static void LOCAL(test_all)(int quick)
                     LOCAL(test_ata)(layouts[l], uplos[u], m, n, (mi + ni + u) % 2 * 3, params);
                 }
                 LOCAL(test_atb)(layouts[l], m, n, all_sizes[(mi + ni) % 5], params);
+                if (mi < 5 && ni < 5) {
+                    LOCAL(test_batched)(layouts[l], m, n);
+                }
             }
         }
         /* Every scheme, with its recursion forced on a size it does not divide. */

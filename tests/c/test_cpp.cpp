@@ -57,6 +57,18 @@ struct has_matrix<Owner, decltype(std::declval<Owner>().matrix(), void())> : std
 static_assert(has_matrix<const catamaran::eigenpairs&>::value, "as long as they last");
 static_assert(!has_matrix<catamaran::eigenpairs>::value, "of temporaries");
 
+void batches() {
+    std::vector<double> data{1, 2, 3, 4, 5, 6}, c(4, 1.0);
+    const auto a = catamaran::row_major(data.data(), 3, 1);
+    const auto square = catamaran::row_major(c.data(), 1, 1);
+    catamaran::ata_batched(2, 1, a, 3, 1, square, 2);
+    CHECK((c == std::vector<double>{15, 1, 78, 1}));
+    catamaran::ata_batched<double>(3, 1, catamaran::row_major<const double>(data.data(), 4, 1), 1,
+                                   0, square, 1);
+    CHECK((c == std::vector<double>{30, 54, 86, 1}));
+    CHECK(status_of([&] { catamaran::ata_batched(2, 1, a, 3, 1, square, 0); }) == CATA_ERR_SHAPE);
+}
+
 void products_of_rows() {
     const std::vector<double> data{1, 2, 3, 4, 5, 6};
     const auto a = catamaran::row_major(data.data(), 3, 2);
@@ -392,6 +404,7 @@ void rounding() {
 int main() {
     rounding();
     products();
+    batches();
     products_of_rows();
     complex_products();
     reproducible();

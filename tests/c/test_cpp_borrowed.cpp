@@ -44,6 +44,11 @@ void eigen() {
     wide(1, 2) = -1;
     CHECK(status_of([&] { catamaran::borrow(v, wide); }) == CATA_ERR_ARGUMENT);
     CHECK(status_of([&] { catamaran::borrow(by_columns.leftCols(2), f); }) == CATA_ERR_SHAPE);
+    Eigen::MatrixXd fractions = f.cast<double>();
+    const auto whole = catamaran::borrow(v, fractions);
+    CHECK(same(whole.mesh()));
+    fractions(0, 1) = 1.5;
+    CHECK(status_of([&] { catamaran::borrow(v, fractions); }) == CATA_ERR_ARGUMENT);
     CHECK(same(catamaran::mesh_view(corners, halves)));
 
     Eigen::MatrixXd a(3, 4);

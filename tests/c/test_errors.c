@@ -79,6 +79,36 @@ static void test_overlaps(void)
     CHECK_STATUS(cata_atb_f64(ROW, M, N, N, 1.0, a, N, a, N, 0.0, square, N, NULL), CATA_OK);
 }
 
+static void test_batches(void)
+{
+    const double *from[] = {a, a + 1};
+    double *to[] = {c, c + 1};
+    CHECK_STATUS(cata_ata_batched_f64(ROW, CATA_BOTH, 2, 2, 2, 1, a, 2, 0, 0, c, 2, 3, NULL),
+                 CATA_ERR_SHAPE);
+    CHECK_MESSAGE("stride_c: must be at least 4, is 3");
+    CHECK_STATUS(
+        cata_ata_batched_f64(ROW, CATA_BOTH, 2, 2, 1, 1, a, 1, SIZE_MAX, 0, c, 1, 1, NULL),
+        CATA_ERR_SHAPE);
+    CHECK_MENTIONS("stride_a: ");
+    CHECK_STATUS(cata_ata_batched_f64(ROW, CATA_BOTH, 2, 2, 1, 1, c, 1, 1, 0, c + 2, 1, 1, NULL),
+                 CATA_ERR_ARGUMENT);
+    CHECK_MESSAGE("c: must not overlap a");
+    CHECK_STATUS(cata_ata_batched_f64(ROW, CATA_BOTH, 0, 2, 1, 1, NULL, 1, 1, 0, NULL, 1, 1, NULL),
+                 CATA_OK);
+    from[1] = NULL;
+    CHECK_STATUS(
+        cata_ata_batched_pointers_f64(ROW, CATA_BOTH, 2, 2, 1, 1, from, 1, 0, to, 1, NULL),
+        CATA_ERR_NULL);
+    CHECK_MESSAGE("a[1]: must not be NULL");
+    from[1] = a;
+    to[1] = c;
+    CHECK_STATUS(
+        cata_ata_batched_pointers_f64(ROW, CATA_BOTH, 2, 2, 1, 1, from, 1, 0, to, 1, NULL),
+        CATA_ERR_ARGUMENT);
+    CHECK_MESSAGE("c[1]: must not overlap c[0]");
+    CHECK_UNTOUCHED();
+}
+
 static void test_enums(void)
 {
     CHECK_STATUS(ata(0, CATA_BOTH, a, N, c, N, NULL), CATA_ERR_ARGUMENT);
@@ -401,6 +431,7 @@ int main(int argc, char **argv)
     test_no_message_yet();
     test_null();
     test_overlaps();
+    test_batches();
     test_enums();
     test_shapes();
     test_scratch();

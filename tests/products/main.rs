@@ -2,6 +2,7 @@
 
 mod ata;
 mod backends;
+mod batched;
 mod column_errors;
 #[path = "../common/mod.rs"]
 mod common;

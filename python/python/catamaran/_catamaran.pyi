@@ -287,13 +287,15 @@ def distances(
     v: ArrayLike,
     f: ArrayLike,
     sources: ArrayLike,
-    heat: bool,
+    method: str,
     time: float,
     kind: str,
     threads: Optional[int],
     progress: Callback,
 ) -> Array: ...
-def shortest_path(v: ArrayLike, f: ArrayLike, ends: ArrayLike) -> Tuple[Array, Array, float]: ...
+def shortest_path(
+    v: ArrayLike, f: ArrayLike, start: int, end: int
+) -> Tuple[Array, Array, float]: ...
 def repair(
     v: ArrayLike, f: ArrayLike, steps: Dict[str, Any], progress: Callback
 ) -> Tuple[Tuple[Array, Array], Array, List[str]]: ...

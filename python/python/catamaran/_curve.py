@@ -17,7 +17,7 @@ from ._words import Mode
 __all__ = ["Curve", "Curves", "curve"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Curve:
     """One curve."""
 
@@ -40,7 +40,7 @@ class Curve:
         return ax
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Curves:
     """What `curve` found."""
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
-from ._options import Progress, callback, to_scipy
+from ._options import Progress, callback, to_nearest, to_scipy
 from ._surface import Mesh, takes_mesh
 from ._words import Reduction
 
@@ -37,6 +37,7 @@ class Decimated(NamedTuple):
     #: vertex of the input, barycentric coordinates of the nearest point.
     weights: Any
 
+    @to_nearest
     def carried(self, f: ArrayLike, values: ArrayLike) -> NDArray[Any]:
         """Return values at the new vertices of those at vertices of the input.
 

@@ -57,11 +57,7 @@ def distances(
     >>> catamaran.distances(mesh, [0], method="edges")[[1, 4]] * 4
     array([1., 4.])
     """
-    if method not in ("heat", "edges"):
-        raise ValueError(f"method: '{method}' is not one of 'heat', 'edges'")
-    return _catamaran.distances(
-        v, f, sources, method == "heat", time, kind, threads, callback(progress)
-    )
+    return _catamaran.distances(v, f, sources, method, time, kind, threads, callback(progress))
 
 
 class ShortestPath(NamedTuple):
@@ -97,4 +93,4 @@ def shortest_path(v: ArrayLike, f: ArrayLike, start: int, end: int) -> ShortestP
     >>> found.vertices, found.length
     (array([0, 1, 2]), 1.0)
     """
-    return ShortestPath(*_catamaran.shortest_path(v, f, [start, end]))
+    return ShortestPath(*_catamaran.shortest_path(v, f, start, end))

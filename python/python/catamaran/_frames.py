@@ -65,9 +65,10 @@ def of_pandas(name: str, a: Any) -> Optional[Frame]:
 
     def rows(first: int, count: int) -> NDArray[Any]:
         block = a.iloc[first : first + count]
-        return np.asarray(block.to_numpy(dtype=np.float64, na_value=np.nan))
+        return np.asarray(block.to_numpy(dtype=scalar, na_value=np.nan))
 
     is_single = all(kind.kind == "f" and kind.itemsize <= 4 for kind in types)
+    scalar = np.float32 if is_single else np.float64
     return Frame(a.shape, is_single, rows)
 
 

@@ -33,7 +33,7 @@ def fit_options(
     }
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class LeastSquares:
     """A solution of `lstsq`. With a vector `b` the attributes without a number of targets in their
     shape are numbers, and `x` is a vector."""
@@ -95,14 +95,14 @@ class LeastSquares:
     def plot(self, ax: Any = None, confidence: float = 0.95) -> Any:
         """Draw the coefficients with their confidence intervals, by matplotlib."""
         ax = axes(ax)
-        x = self.x.reshape(len(self.x), -1)
+        x = np.atleast_2d(self.x.T)
         width = np.zeros_like(x)
         if np.size(self.standard_errors) > 0:
-            width = (self._factor(confidence) * self.standard_errors).reshape(x.shape)
-        for target, (center, half) in enumerate(zip(x.T, width.T)):
-            ax.errorbar(np.arange(len(x)), center, half, fmt="o", label=f"target {target}")
+            width = np.atleast_2d(self._factor(confidence) * self.standard_errors.T)
+        for target, (center, half) in enumerate(zip(x, width)):
+            ax.errorbar(np.arange(len(center)), center, half, fmt="o", label=f"target {target}")
         ax.set(xlabel="column", ylabel="coefficient")
-        if x.shape[1] > 1:
+        if len(x) > 1:
             ax.legend()
         return ax
 
@@ -111,7 +111,7 @@ class LeastSquares:
 
     def _rows(self, target: int, values: Any, constant: Any) -> List[float]:
         """Return the values of a target, that of the intercept first if there is one."""
-        of_target = np.reshape(values, (len(self.x), -1))[:, target]
+        of_target = np.atleast_2d(np.transpose(values))[target]
         return [*np.ravel(constant)[target : target + 1], *of_target]
 
     def __str__(self) -> str:
@@ -140,6 +140,7 @@ class LeastSquares:
             lines.append(f"{heading}R^2 {share:.6g}\n{table(columns)}")
         return "\n".join(lines)
 
+    @to_nearest
     def predict(self, a: ArrayLike) -> NDArray[np.float64]:
         """Return ``A x + intercept``. With factors A has the columns `factor_columns` too."""
         found: NDArray[np.float64] = matrix_of("a", a) @ self.x + self.intercept
@@ -247,12 +248,12 @@ def coded(factors: Mapping[str, Any]) -> Tuple[List[Tuple[str, List[str], bool]]
             found.append((name, [str(level) for level in values.categories], True))
             columns.append(codes)
             continue
-        array = np.asarray(values)
+        # As text, NaN beside words would be a word.
+        array = np.asarray(values, dtype=object)
         if array.ndim != 1:
             raise ValueError(f"factors: {name}: expected a vector, got {array.ndim} dimensions")
         labels = array.tolist()
-        # None, and NaN and NaT, which are no number equal to themselves.
-        missing = [label is None or label != label for label in labels]
+        missing = [is_missing(label) for label in labels]
         known = [str(label) for label, none in zip(labels, missing) if not none]
         levels = {level: k for k, level in enumerate(dict.fromkeys(known))}
         codes = np.array([levels.get(str(label), np.nan) for label in labels], dtype=np.float64)
@@ -262,6 +263,13 @@ def coded(factors: Mapping[str, Any]) -> Tuple[List[Tuple[str, List[str], bool]]
     if len({len(column) for column in columns}) > 1:
         raise ValueError("factors: of different lengths")
     return found, np.column_stack(columns) if columns else None
+
+
+def is_missing(label: Any) -> bool:
+    """Return whether a label is None, or NaN, NaT or NA, which do not equal themselves."""
+    same = label == label
+    # Of the NA of pandas it is NA, which is neither true nor false.
+    return label is None or not isinstance(same, (bool, np.bool_)) or not same
 
 
 def lstsq(
@@ -312,8 +320,8 @@ def lstsq(
     threads, progress
         As in `ata`.
     comm : communicator of mpi4py, optional
-        Every rank of it has some rows of A and B, and their weights, and gets the solution for all
-        rows: the same bytes for any number of ranks. Rank 0 solves. Without `factors` and
+        Every rank of it has some rows of dense A and B, and their weights, and gets the solution
+        for all rows: the same bytes for any number of ranks. Rank 0 solves. Without `factors` and
         ``missing="drop"``.
 
     Returns
@@ -453,8 +461,8 @@ def pca(
     threads, progress
         As in `ata`.
     comm : communicator of mpi4py, optional
-        Every rank of it has some rows, and their weights, and gets the components of all rows: the
-        same bytes for any number of ranks.
+        Every rank of it has some rows of a dense `a`, and their weights, and gets the components of
+        all rows: the same bytes for any number of ranks. Rank 0 computes them.
 
     Returns
     -------
@@ -475,14 +483,12 @@ def pca(
             1         5      1              1
     """
     if comm is not None:
-        from ._ranks import gathered, sums
+        from ._ranks import of_first, sums
 
         more: Dict[str, Any] = {"threads": threads, "progress": progress}
-        total = comm.bcast(sums(comm, a, None, weights, "extended", True, None, more))
+        total = sums(comm, a, None, weights, "extended", True, None, more)
         about = {"standardize": standardize, "whiten": whiten, "threads": threads}
-        components: List[PrincipalComponents] = []
-        gathered(comm, lambda: components.append(total.pca(n_components, **about)))
-        return components[0]
+        return of_first(comm, lambda: total.pca(n_components, **about))
     found = _catamaran.pca(
         rows_of(a), weights, n_components, standardize, whiten, threads, callback(progress)
     )

@@ -114,15 +114,19 @@ def rows_of(a: Any) -> Any:
 
 
 def matrix_of(name: str, a: Any) -> Any:
-    """Return a matrix of scipy.sparse as it is, anything else as an array without a mask."""
+    """Return a matrix of scipy.sparse as it is, anything else as an array without a mask; missing
+    entries of a data frame are NaN."""
     import numpy as np
+
+    from ._frames import frame_of
 
     if is_sparse(a):
         return a
     if np.ma.is_masked(a):
         count = np.ma.getmaskarray(a).sum()
         raise ValueError(f"{name}: {count} entries are masked: fill them, or leave out their rows")
-    return np.asarray(a)
+    frame = frame_of(name, a)
+    return np.asarray(a) if frame is None else frame.rows(0, frame.shape[0])
 
 
 def to_scipy(parts: Tuple[Any, Any, Any, Tuple[int, int]]) -> Any:

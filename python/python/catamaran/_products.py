@@ -27,6 +27,16 @@ def _center(center: Any) -> Any:
     return center
 
 
+def is_wide(a: Any, dtype: Optional[DTypeLike]) -> bool:
+    """Return whether `dtype` asks for a result of float64; refuse another one than that of `a`."""
+    if dtype is None:
+        return False
+    wide = bool(np.dtype(dtype) == np.float64)
+    if not wide and np.dtype(dtype) != np.asarray(a).dtype:
+        raise TypeError("dtype: expected numpy.float64, or that of a")
+    return wide
+
+
 def ata(
     a: ArrayLike,
     b: Optional[ArrayLike] = None,
@@ -53,8 +63,9 @@ def ata(
 
     Parameters
     ----------
-    a : array_like, m x n, or a matrix of scipy.sparse
-        The matrix A.
+    a : array_like, m x n or count x m x n, or a matrix of scipy.sparse
+        The matrix A, or a stack of real matrices, whose products are a stack, count x n x n;
+        without `b`, `weights`, `center`, `out` and `comm`. Threads share the products.
     b : array_like, m x k, optional
         The matrix B.
     weights : array_like of m numbers, optional
@@ -85,10 +96,11 @@ def ata(
     progress : callable or tqdm bar, optional
         ``progress(done, total)`` is called now and then; an exception in it ends the call.
     comm : communicator of mpi4py, optional
-        Every rank of it has some rows of a real `a`, and their weights, and gets the sum over all
-        ranks; all of them make the call. Without `b`, `out`, `beta` and a row as `center`. With
-        `reproducible` the bytes are the same for any number of ranks and any distribution of the
-        rows. Each rank holds one triangle of sums beside its rows, and one more while they merge.
+        Every rank of it has some rows of a real and dense `a`, and their weights, and gets the sum
+        over all ranks; all of them make the call. Without `b`, `out`, `beta` and a row as `center`.
+        With `reproducible` the bytes are the same for any number of ranks and any distribution of
+        the rows. Each rank holds one triangle of sums beside its rows, and one more while they
+        merge.
 
     Returns
     -------
@@ -118,6 +130,8 @@ def ata(
     array([[ 5.,  0.,  0.],
            [11., 25.,  0.],
            [17., 39., 61.]])
+    >>> catamaran.ata(np.array([[[1.0], [2.0]], [[3.0], [4.0]]])).ravel()  # two matrices
+    array([ 5., 25.])
     """
     center = _center(center)
     if comm is not None:
@@ -128,7 +142,7 @@ def ata(
         exact = reproducible or scheme == "exact"
         way = "auto" if exact else scheme
         more = {"scheme": way, "accuracy": accuracy, "threads": threads, "progress": progress}
-        kind = "exact" if exact else "float"
+        kind: Sums = "exact" if exact else "float"
         total = sums(comm, a, None, weights, kind, center is True, dtype, more)
         return of_first(comm, lambda: total.result(alpha=alpha, uplo=uplo))
     options = (uplo, scheme, accuracy, reproducible, threads)
@@ -137,13 +151,8 @@ def ata(
     if is_sparse(a):
         if b is not None:
             raise TypeError("a: sparse, where b needs a dense matrix")
-        center = _center(center)
         return _catamaran.ata_sparse(csr(a), weights, center, out, alpha, beta, options, progress)
-    wide = False
-    if dtype is not None:
-        wide = np.dtype(dtype) == np.float64
-        if not wide and np.dtype(dtype) != np.asarray(a).dtype:
-            raise TypeError("dtype: expected numpy.float64, or that of a")
+    wide = is_wide(a, dtype)
     return _catamaran.ata(a, b, weights, center, out, alpha, beta, options, wide, progress)
 
 
@@ -248,8 +257,8 @@ def corrcoef(
     array([[ 1., -1.],
            [-1.,  1.]])
     """
-    rows: Any = matrix_of("a", a)
-    return _catamaran.corrcoef(rows_of(rows.T if rowvar else rows), threads, callback(progress))
+    rows: Any = matrix_of("a", a).T if rowvar else a
+    return _catamaran.corrcoef(rows_of(rows), threads, callback(progress))
 
 
 def plan(

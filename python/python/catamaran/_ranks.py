@@ -11,7 +11,9 @@ from typing import Any, Callable, Dict, Iterator, List, Optional
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from ._products import Accumulator
+from ._options import is_sparse, matrix_of
+from ._products import Accumulator, is_wide
+from ._words import Sums
 
 #: Rows of A and B that are joined at a time.
 BLOCK = 4096
@@ -44,7 +46,7 @@ def sums(
     a: ArrayLike,
     b: Optional[ArrayLike],
     weights: Optional[ArrayLike],
-    kind: str,
+    kind: Sums,
     center: bool,
     dtype: Optional[DTypeLike],
     more: Dict[str, Any],
@@ -59,13 +61,16 @@ def sums(
         nonlocal masses
         for name, given in (("a", a), ("b", b)):
             if given is not None:
-                part = np.asarray(given)
+                if is_sparse(given):
+                    raise TypeError(f"{name}: sparse, where comm needs a dense matrix")
+                part = matrix_of(name, given)
                 part = part[:, None] if name == "b" and part.ndim == 1 else part
                 if part.ndim != 2:
                     raise ValueError(f"{name}: expected an array of 2 dimensions, got {part.ndim}")
                 if part.dtype.kind not in "fiub":
                     raise TypeError(f"{name}: {part.dtype} can't be summed over ranks")
                 parts.append(part)
+        is_wide(parts[0], dtype)
         rows = parts[0].shape[0]
         if parts[-1].shape[0] != rows:
             raise ValueError(f"b: {parts[-1].shape[0]} rows, where a has {rows}")
@@ -73,29 +78,29 @@ def sums(
         scalar = np.dtype(dtype or (np.float32 if single else np.float64)).name
         largest = None
         if weights is not None:
-            masses = np.asarray(weights, dtype=np.float64)
+            masses = np.asarray(matrix_of("weights", weights), dtype=np.float64)
             if masses.shape != (rows,):
                 raise ValueError(f"weights: shape {masses.shape}, where a has {rows} rows")
             if kind == "extended" and (masses < 0).any():
                 row = int(np.argmax(masses < 0))
                 raise ValueError(f"weights: weight {row} is negative: {masses[row]}")
             largest = float(np.abs(masses).max(initial=0.0))
-        least: List[float] = []
-        most: List[float] = []
-        if kind != "float":
-            least = [x for part in parts for x in part.min(axis=0, initial=np.inf).tolist()]
-            most = [x for part in parts for x in part.max(axis=0, initial=-np.inf).tolist()]
-            if rows and not np.isfinite([least, most]).all():
-                column = int(np.argmin(np.isfinite(least) & np.isfinite(most)))
-                raise ValueError(f"a: column {column} has an entry that is not finite")
+        ends: List[NDArray[np.float64]] = []
+        for name, part in zip("ab", parts if kind != "float" and rows else []):
+            # Bounds of integers and truth values are numbers, too.
+            ends.append(np.array([part.min(axis=0), part.max(axis=0)], dtype=np.float64))
+            finite = np.isfinite(ends[-1]).all(axis=0)
+            if not finite.all():
+                column = int(np.argmin(finite))
+                raise ValueError(f"{name}: column {column} has an entry that is not finite")
         common = {
-            "columns": len(least) or parts[0].shape[1],
+            "columns": sum(part.shape[1] for part in parts),
             "type of sums": scalar,
             "kind of sums": kind,
             "centring": center,
             "presence of weights": weights is not None,
         }
-        return common, rows, least, most, largest
+        return common, rows, np.hstack(ends) if ends else None, largest
 
     found = gathered(comm, survey)
     for rank, (common, *_) in enumerate(found):
@@ -108,11 +113,12 @@ def sums(
     def add() -> Accumulator:
         bounds = largest = None
         if kind != "float":
-            rows = max(1, sum(rank[1] for rank in found))
-            least = np.min([rank[2] for rank in found], axis=0)
-            most = np.max([rank[3] for rank in found], axis=0)
-            bounds = (least, most, rows)
-            largest = max(rank[4] for rank in found) if weights is not None else None
+            ends = [rank[2] for rank in found if rank[2] is not None]
+            ends = ends or [np.zeros((2, common["columns"]))]
+            least = np.min([least for least, _ in ends], axis=0)
+            most = np.max([most for _, most in ends], axis=0)
+            bounds = (least, most, max(1, sum(rank[1] for rank in found)))
+            largest = max(rank[3] for rank in found) if weights is not None else None
         total = Accumulator(
             common["columns"],
             center=center,
@@ -121,8 +127,8 @@ def sums(
             bounds=bounds,
             largest_weight=largest,
         )
-        for rows, own in blocks(parts, masses):
-            total.add(rows, own, **more)
+        for rows, of_rows in blocks(parts, masses):
+            total.add(rows, of_rows, **more)
         return total
 
     own: List[Accumulator] = []

@@ -42,7 +42,7 @@ def repair(
     orient: bool = False,
     progress: Progress = None,
 ) -> Repaired:
-    """Repair a mesh by the steps that are asked for, in the order of the parameters.
+    """Repair a mesh by the requested steps, in the order of the parameters.
 
     Parameters
     ----------

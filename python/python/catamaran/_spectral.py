@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
-from ._options import Progress, callback, part, to_scipy, warn_of_pieces
+from ._options import Progress, callback, part, to_nearest, to_scipy, warn_of_pieces
 from ._show import axes
 from ._surface import Mesh, MeshLike, mesh_arrays, takes_mesh, with_mesh
 from ._words import Kind, Method, Refinement
@@ -73,6 +73,8 @@ class Eigenbasis(_catamaran.Eigenbasis):
     ) -> Eigenbasis:
         mesh = mesh_arrays(v)
         if mesh is not None:
+            if f is not None:
+                raise TypeError("f: not together with a mesh: Eigenbasis(mesh, k=...)")
             v, f = mesh
         parts = _catamaran.eigenbasis(v, f, k, kind, weld, threads, callback(progress))
         basis = super().__new__(cls, *parts)
@@ -119,6 +121,7 @@ class Eigenbasis(_catamaran.Eigenbasis):
         found = self._filter(functions, gains, rest, threads)
         return found[:, 0] if np.ndim(functions) == 1 else found
 
+    @to_nearest
     def split(
         self, functions: ArrayLike, *, threads: Optional[int] = None
     ) -> Tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -247,7 +250,8 @@ def eigenproducts(
     v, f : array_like, n x 3 and m x 3
         Vertices and faces.
     k : int
-        Eigenfunctions that are multiplied, the constant one not counted.
+        Eigenfunctions that are multiplied, the constant one not counted; all those of an
+        `Eigenbasis`.
     order : int
         Factors of a product, at most.
     method : {"single_pass", "reorthogonalized", "rank_revealing"}
@@ -272,6 +276,8 @@ def eigenproducts(
     [[], [1], [2], [3], [1, 1], [1, 2]]
     """
     if isinstance(v, Eigenbasis):
+        if f is not None:
+            raise TypeError("f: not together with a basis: eigenproducts(basis, order=...)")
         basis, rest = v, progress
     else:
         of_basis, rest = part(progress, 0.0, _SHARE), part(progress, _SHARE, 1.0)

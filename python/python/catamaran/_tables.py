@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _catamaran
-from ._options import Progress, callback, to_scipy, warn_caller
+from ._options import Progress, callback, is_sparse, to_scipy, warn_caller
 from ._show import table
 from ._words import FileFormat, MissingCells
 
@@ -28,7 +28,7 @@ class Factor(NamedTuple):
     codes: NDArray[np.intp]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Table:
     """A matrix that `read` has read, and what is known about its columns."""
 
@@ -49,9 +49,7 @@ class Table:
     reading: str
 
     def __str__(self) -> str:
-        from scipy.sparse import issparse
-
-        if issparse(self.values):
+        if is_sparse(self.values):
             return str(self.values)
         names = self.names or [str(number) for number in self.numbers]
         return table({name: self.values[:, j] for j, name in enumerate(names)})
@@ -170,12 +168,12 @@ def read(
         "skip": skip,
         "comment": comment,
         "missing": missing,
-        "missing_words": None if missing_words is None else list(missing_words),
+        "missing_words": listed(missing_words),
         "index": index,
         "encoding": encoding,
         "format": format,
         "words": factors is True,
-        "factors": [] if isinstance(factors, bool) else [str(column) for column in factors],
+        "factors": [] if isinstance(factors, bool) else listed(factors),
         "max_memory": max_memory,
         "threads": threads,
     }
@@ -185,7 +183,9 @@ def read(
     if "sparse" in found:
         values = to_scipy(found["sparse"])
     elif "imaginary" in found:
-        values = found["values"] + 1j * found["imaginary"]
+        # A product with 1j would make NaN of infinite parts.
+        values = found["values"].astype(np.complex128)
+        values.imag = found["imaginary"]
     else:
         values = found["values"]
     return Table(
@@ -202,7 +202,7 @@ def read(
 def listed(
     columns: Union[None, int, str, range, Sequence[Union[int, str]]],
 ) -> Optional[List[str]]:
-    """Return columns as the extension takes them: names, and numbers as text."""
+    """Return columns, or words, as the extension takes them: a list, with numbers as text."""
     if columns is None:
         return None
     if isinstance(columns, (str, int, np.integer)):

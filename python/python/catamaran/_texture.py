@@ -225,8 +225,6 @@ def newton(
     """
     if power is None and roots is None:
         power = 3
-    if gradient not in ("thesis", "shader"):
-        raise ValueError(f"gradient: '{gradient}' is not one of 'thesis', 'shader'")
     if size is None:
         size = 128 if volume else 1024
     width, height = (size, size) if isinstance(size, (int, np.integer)) else size
@@ -244,7 +242,7 @@ def newton(
         "roots": None if roots is None else [(complex(z).real, complex(z).imag) for z in roots],
         "iterations": iterations,
         "theta": theta,
-        "shader": gradient == "shader",
+        "gradient": gradient,
         "scale": scale,
         "offset": list(offset),
         "w": w,

@@ -15,7 +15,7 @@ pub const ABSENT: Generated = Generated {
 };
 
 /// The files of capi/src that are there whatever the features are.
-const ALWAYS: [&str; 12] = [
+const ALWAYS: [&str; 13] = [
     "status",
     "version",
     "memory",
@@ -24,6 +24,7 @@ const ALWAYS: [&str; 12] = [
     "layout",
     "ata_params",
     "ata",
+    "ata_batched",
     "rows",
     "atb",
     "aha",

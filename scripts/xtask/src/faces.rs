@@ -4,7 +4,9 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use crate::declarations::Header;
 use crate::generated::Generated;
+use crate::header::HEADER;
 
 /// `docs/faces.md`.
 pub const FACES: Generated = Generated {
@@ -28,8 +30,9 @@ function or command stands nowhere. A word in italics says why a cell is empty; 
 Paths of Rust begin in `catamaran` or `catamaran_geometry`, names of C++ in the namespace
 `catamaran`, names of Python in the package `catamaran`. The last column names the operations of
 Rust and C whose data several ranks of MPI share; in C++ they have the names of the other columns
-and a `world` as first argument. Under `mpirun` the ranks share the work of `ata`, `lstsq`, `pca`,
-`svd` and `spectrum`.
+and a `world` as first argument; in Python `ata`, `lstsq`, `pca` and `eigsh` take `comm`, the
+communicator of mpi4py. Under `mpirun` the ranks share the work of the commands `ata`, `lstsq`,
+`pca`, `svd` and `spectrum`.
 ";
 
 const HEAD: &str = "
@@ -62,9 +65,10 @@ impl Sources {
         let all = init.split_once("__all__ = [").map_or("", |(_, list)| list);
         let all = all.split(']').next().unwrap_or_default();
         let names = all.split('"').skip(1).step_by(2).map(str::to_owned).collect();
+        let header = Header::parse(&super::read(&root.join(HEADER.name))?);
         Ok(Self {
             root: root.to_owned(),
-            c: functions_of_c(&super::read(&root.join("include/catamaran.h"))?),
+            c: header.functions.into_iter().map(|function| function.name).collect(),
             cpp: texts(&root.join("include"), &["hpp"])?,
             python: texts(&package, &["py", "pyi"])?,
             all: names,
@@ -179,14 +183,6 @@ fn in_cpp(name: &str) -> Vec<String> {
 fn in_python(name: &str) -> Vec<String> {
     let ends = ["(", ":"].into_iter();
     ends.flat_map(|end| [format!("class {name}{end}"), format!("def {name}{end}")]).collect()
-}
-
-/// Returns the functions that the C header declares.
-fn functions_of_c(header: &str) -> BTreeSet<String> {
-    let code = header.lines().filter(|line| !line.trim_start().starts_with(['/', '*']));
-    let names = code.filter_map(|line| line.split_once('(').map(|(before, _)| before));
-    let names = names.filter_map(|before| before.rsplit([' ', '*']).next());
-    names.filter(|name| name.starts_with("cata_")).map(str::to_owned).collect()
 }
 
 /// Returns the commands of `enum Command` in cli/src/main.rs.
@@ -309,8 +305,7 @@ impl<'a> Table<'a> {
     /// Returns the names of a cell; those of C that fit a pattern.
     fn names(&self, face: &str, cell: &str, sources: &Sources) -> Vec<String> {
         if face == "command" {
-            // A word that begins with `-` is an option of the command before it.
-            return commands_of(cell, &sources.commands);
+            return cell.split(", ").map(str::to_owned).collect();
         }
         let words = cell.split(' ');
         let names = words.flat_map(|word| {
@@ -322,18 +317,6 @@ impl<'a> Table<'a> {
         });
         names.collect()
     }
-}
-
-/// Splits the calls of a cell, each of which begins with a command.
-fn commands_of(cell: &str, commands: &BTreeSet<String>) -> Vec<String> {
-    let mut found: Vec<String> = vec![];
-    for word in cell.split(' ') {
-        match found.last_mut() {
-            Some(call) if !commands.contains(word) => *call += &format!(" {word}"),
-            _ => found.push(word.to_owned()),
-        }
-    }
-    found
 }
 
 fn generate(root: &Path) -> Result<String, String> {
@@ -373,9 +356,11 @@ fn page(table: &Table<'_>, sources: &Sources) -> Result<String, String> {
                 }
             }
             named.extend(names.iter().map(|name| match face {
-                "python" => name.split('.').next().unwrap_or_default().to_owned(),
-                "command" => name.split(' ').next().unwrap_or_default().to_owned(),
-                _ => name.clone(),
+                "python" => (face, name.split('.').next().unwrap_or_default().to_owned()),
+                "command" => (face, name.split(' ').next().unwrap_or_default().to_owned()),
+                "ranks" if name.starts_with("cata_") => ("c", name.clone()),
+                "ranks" => ("rust", name.clone()),
+                _ => (face, name.clone()),
             }));
             let program = if face == "command" { "catamaran " } else { "" };
             let shown: Vec<_> = names.iter().map(|name| format!("`{program}{name}`")).collect();
@@ -385,7 +370,7 @@ fn page(table: &Table<'_>, sources: &Sources) -> Result<String, String> {
     }
     for face in ["rust", "c", "python", "command"] {
         let offered = sources.offered(face, &modules)?;
-        let lost = offered.iter().filter(|name| !named.contains(*name));
+        let lost = offered.iter().filter(|name| !named.contains(&(face, (*name).clone())));
         let lost = lost.filter(|name| !table.is_helper(face, name));
         faults.extend(lost.map(|name| format!("{face}: `{name}` is in no line of faces.txt")));
         let idle = table.helpers.iter().filter(|(of, _)| *of == face);

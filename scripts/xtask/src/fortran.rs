@@ -167,6 +167,9 @@ fn dummy(function: &Function, argument: &str, header: &Header) -> Result<(String
             (format!("type({base}), {optional}"), entity(true))
         }
         (None, 1) => ("type(c_ptr), value".to_owned(), entity(true)),
+        (None, 2) if kind.contains("*const *") => {
+            ("type(c_ptr), intent(in), optional".to_owned(), entity(false))
+        }
         (None, 2) => ("type(c_ptr), intent(inout)".to_owned(), entity(true)),
         _ => return Err(format!("{argument}: teach scripts/xtask/src/fortran.rs")),
     })
@@ -244,7 +247,7 @@ mod tests {
         let header = "/**\n * @defgroup ata A^T A\n */\n#define CATA_K 1\ntypedef struct cata_p {\n    \
                       size_t n;\n    double g[3];\n    double *x;\n} cata_p;\ncata_status \
                       cata_f(size_t n, const double *a, size_t *count, cata_h *h, cata_h **made, \
-                      const cata_p *params);\n";
+                      const double *const *all, const cata_p *params);\n";
         let text = module(&Header::parse(header)).unwrap();
         let expected = "\
   integer(c_int32_t), parameter :: CATA_K = 1_c_int32_t
@@ -256,7 +259,7 @@ mod tests {
   end type cata_p
 
   interface
-    function cata_f(n, a, count, h, made, params) bind(C) result(returned)
+    function cata_f(n, a, count, h, made, all, params) bind(C) result(returned)
       import
       integer(c_int32_t) :: returned
       integer(c_size_t), value :: n
@@ -264,6 +267,7 @@ mod tests {
       integer(c_size_t), intent(inout), optional :: count
       type(c_ptr), value :: h
       type(c_ptr), intent(inout) :: made
+      type(c_ptr), intent(in), optional :: all(*)
       type(cata_p), intent(in), optional :: params
     end function cata_f
 ";

@@ -43,7 +43,7 @@ pub const SECTIONS: &[Section] = &[
     section(
         "ata",
         &["ata", "aat", "atb", "aha", "ahb", "verify"],
-        &["layout", "ata_params", "ata", "ata_sparse", "atb", "aha", "verify"],
+        &["layout", "ata_params", "ata", "ata_batched", "ata_sparse", "atb", "aha", "verify"],
     ),
     section("gram", &["lstsq", "pca", "svd", "gram"], &["lstsq", "pca", "gram"]),
     section("rows", &["ata_rows", "accumulator"], &["rows", "accumulator"]),

@@ -3,6 +3,8 @@
 use std::fmt::Display;
 use std::io::Read;
 
+use lz4_flex::block::DecompressError;
+
 use super::store::Fault;
 use crate::base::byte_size;
 use crate::io::limits::LARGER_MAX_MEMORY;
@@ -32,9 +34,19 @@ pub fn unpack(codec: Codec, packed: &[u8], start: &[u8], most: usize) -> Result<
             out.truncate(start.len() + found);
         }
         Codec::Lz4Block => {
-            let room = grow(&mut out, most.min(packed.len().saturating_mul(LZ4_RATIO)), most)?;
-            let found = lz4_flex::block::decompress_into(packed, room).map_err(broken)?;
-            out.truncate(start.len() + found);
+            // Room is filled with zeros first: for usual pages the least is enough.
+            let mut ratio = 4;
+            loop {
+                out.truncate(start.len());
+                let room = grow(&mut out, most.min(packed.len().saturating_mul(ratio)), most)?;
+                match lz4_flex::block::decompress_into(packed, room) {
+                    Err(DecompressError::OutputTooSmall { .. }) if ratio < LZ4_RATIO => ratio *= 4,
+                    found => {
+                        out.truncate(start.len() + found.map_err(broken)?);
+                        break;
+                    }
+                }
+            }
         }
         Codec::Gzip => all(flate2::read::MultiGzDecoder::new(packed), &mut out, most)?,
         Codec::Lz4Frame => all(lz4_flex::frame::FrameDecoder::new(packed), &mut out, most)?,
@@ -72,5 +84,22 @@ fn broken(e: impl Display) -> Fault {
 
 /// Returns the message for data that takes too much memory.
 pub fn too_large(bytes: f64) -> Fault {
-    format!("data of {} or more, which a page may not take: {LARGER_MAX_MEMORY}", byte_size(bytes))
+    let bytes = byte_size(bytes);
+    format!("data of {bytes} or more, too much for a page or buffer: {LARGER_MAX_MEMORY}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_of_lz4_of_any_ratio_are_unpacked_behind_the_start() {
+        let usual: Vec<u8> = (0..1000_u32).flat_map(|i| (i * i).to_le_bytes()).collect();
+        for data in [usual, vec![7; 100_000]] {
+            let packed = lz4_flex::block::compress(&data);
+            let found = unpack(Codec::Lz4Block, &packed, &[1, 2], 1 << 20).unwrap();
+            assert!(found[..2] == [1, 2] && found[2..] == data);
+            assert!(unpack(Codec::Lz4Block, &packed, &[], data.len() - 1).is_err());
+        }
+    }
 }

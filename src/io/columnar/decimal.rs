@@ -14,15 +14,16 @@ pub fn decimal(value: i128, scale: i32) -> f64 {
     format!("{value}e{}", -i64::from(scale)).parse().unwrap_or(f64::NAN)
 }
 
-/// Returns the integer of at most 16 bytes in two's complement, the highest byte first.
+/// Returns the integer in two's complement, the highest byte first; `None` beyond 16 bytes, where
+/// bytes that repeat the sign do not count.
 pub fn big_endian(bytes: &[u8]) -> Option<i128> {
-    if bytes.len() > 16 {
-        return None;
-    }
     let sign = if bytes.first().is_some_and(|byte| byte & 0x80 != 0) { 0xff } else { 0 };
+    let (above, last) = bytes.split_at(bytes.len().saturating_sub(16));
     let mut whole = [sign; 16];
-    whole[16 - bytes.len()..].copy_from_slice(bytes);
-    Some(i128::from_be_bytes(whole))
+    whole[16 - last.len()..].copy_from_slice(last);
+    let value = i128::from_be_bytes(whole);
+    let is_whole = above.iter().all(|&byte| byte == sign) && (value < 0) == (sign != 0);
+    is_whole.then_some(value)
 }
 
 #[cfg(test)]
@@ -44,6 +45,9 @@ mod tests {
         assert_eq!(big_endian(&[0xff, 0x85]), Some(-123));
         assert_eq!(big_endian(&[1, 0]), Some(256));
         assert_eq!(big_endian(&[]), Some(0));
-        assert_eq!(big_endian(&[0; 17]), None);
+        assert_eq!([[0; 17], [0xff; 17]].map(|bytes| big_endian(&bytes)), [Some(0), Some(-1)]);
+        let mut beyond = [0; 17];
+        beyond[1] = 0x80;
+        assert_eq!([[1; 17], beyond].map(|bytes| big_endian(&bytes)), [None; 2]);
     }
 }

@@ -19,7 +19,7 @@ use crate::io::columns::Columns;
 use crate::io::limits::{check_memory, memory_limit};
 use crate::io::matrix::Dense;
 use crate::io::names::FileFormat;
-use crate::io::rows::{Stamp, canonical, seekable};
+use crate::io::rows::{Stamp, canonical, check_rows, seekable};
 use crate::io::source::error;
 use crate::io::table::{ColumnKind, Missing, TableOptions, TableReading, texts};
 use crate::rows::RowBlocks;
@@ -66,7 +66,7 @@ impl ColumnarFile {
         let mut reading = plan(path, format, store.fields(), table, &options.columns)?;
         let words = |kind: &ColumnKind| match kind {
             ColumnKind::Numbers => None,
-            ColumnKind::Factor { .. } => Some(Arc::new(Words::default())),
+            ColumnKind::Factor { .. } => Some(Arc::new(Words::new(limit))),
         };
         let mut used: Vec<Used> = reading
             .columns
@@ -108,7 +108,7 @@ impl ColumnarFile {
 
     /// Opens the same rows once more, for a second reader.
     pub fn try_clone(&self) -> Result<Self> {
-        self.stamp.check(&self.path, std::fs::metadata(&self.path))?;
+        self.check_stamp()?;
         Ok(Self {
             path: self.path.clone(),
             options: self.options.clone(),
@@ -166,9 +166,14 @@ impl ColumnarFile {
         Context { path, store: &**store, missing: options.missing, par: options.par }
     }
 
+    /// Checks that the file has not changed.
+    fn check_stamp(&self) -> Result<()> {
+        self.stamp.check(&self.path, std::fs::metadata(&self.path))
+    }
+
     /// Opens a group.
     fn open_group(&self, number: usize) -> Result<Group> {
-        self.stamp.check(&self.path, std::fs::metadata(&self.path))?;
+        self.check_stamp()?;
         Group::open(self.context(), number, self.used.iter())
     }
 
@@ -186,7 +191,8 @@ impl ColumnarFile {
         Ok(())
     }
 
-    /// Makes at least a kept row be decoded, and returns how many of the next `most` are.
+    /// Decodes rows until one that is kept was not given, and returns how many there are, at most
+    /// `most`.
     fn decoded(&mut self, most: usize) -> Result<usize> {
         loop {
             let context = Context {
@@ -200,7 +206,13 @@ impl ColumnarFile {
                     return Ok(most.min(group.kept() - self.given));
                 }
                 Some(group) if group.left > 0 => {
-                    group.next(context)?;
+                    let done = group.next(context);
+                    let done = self.check_stamp().and(done);
+                    if done.is_err() {
+                        // Its columns may be at different rows: the next call opens it again.
+                        self.group = None;
+                    }
+                    done?;
                     self.given = 0;
                     continue;
                 }
@@ -210,8 +222,8 @@ impl ColumnarFile {
             if next >= self.store.groups().len() {
                 return Err(error(&self.path, None, "fewer rows than it announces"));
             }
-            self.given = 0;
             self.group = Some(self.open_group(next)?);
+            self.given = 0;
         }
     }
 }
@@ -261,11 +273,8 @@ impl<T: Real> RowBlocks<T> for ColumnarFile {
     }
 
     fn read(&mut self, first: usize, mut out: MatMut<'_, T>) -> Result<()> {
-        let (count, nrows) = (out.nrows(), self.nrows());
-        if first.checked_add(count).is_none_or(|end| end > nrows) {
-            let why = format!("{count} from row {first} on, but the file has {nrows}");
-            return Err(Error::Argument { what: "rows", why });
-        }
+        let count = out.nrows();
+        check_rows(first, count, self.nrows())?;
         Error::check_shape("block of rows", (count, self.ncols()), out.shape())?;
         if count == 0 || self.ncols() == 0 {
             return Ok(());

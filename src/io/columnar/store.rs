@@ -14,12 +14,12 @@ pub struct Field {
     pub kind: Kind,
 }
 
-/// What a column has.
+/// The type of the entries of a column.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Kind {
     Numbers,
     Words,
-    /// What no row of a matrix can have, in the words of a message: "dates".
+    /// Entries that no row of a matrix has, as a message names them: "dates".
     Other(String),
 }
 

@@ -2,28 +2,35 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use super::store::Fault;
+use crate::io::limits::LARGER_MAX_MEMORY;
 use crate::io::table::Levels;
 
 /// The words of a column, shared by the readers of its groups.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Words(Mutex<Numbering>);
 
 /// Numbers of words.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Numbering {
     levels: Levels,
-    /// Whether no word is added any more.
-    is_closed: bool,
+    /// Bytes of memory that further words may take; `None`: no word is added any more.
+    left: Option<u64>,
 }
 
 impl Words {
+    /// Returns no words; those that are added take at most `limit` bytes of memory.
+    pub fn new(limit: u64) -> Self {
+        Self(Mutex::new(Numbering { levels: Levels::default(), left: Some(limit) }))
+    }
+
     /// Returns words with the numbers of their places; others have none.
     pub fn closed(words: &[Vec<u8>]) -> Self {
         let mut levels = Levels::default();
         for word in words {
             levels.number(word);
         }
-        Self(Mutex::new(Numbering { levels, is_closed: true }))
+        Self(Mutex::new(Numbering { levels, left: None }))
     }
 
     /// Returns the numbers, for one reader at a time.
@@ -44,12 +51,22 @@ impl Words {
 
 impl Numbering {
     /// Returns the number of a word; -1 if it has none.
-    pub fn number(&mut self, word: &[u8]) -> i32 {
-        let number = match self.is_closed {
-            true => self.levels.find(word),
-            false => Some(self.levels.number(word)),
+    ///
+    /// # Errors
+    /// Words that take too much memory.
+    pub fn number(&mut self, word: &[u8]) -> Result<i32, Fault> {
+        let number = match (self.levels.find(word), &mut self.left) {
+            (Some(number), _) => number,
+            (None, None) => return Ok(-1),
+            (None, Some(left)) => {
+                // Levels have each word twice.
+                let bytes = 2 * (word.len() + size_of::<Vec<u8>>()) as u64;
+                let most = || format!("words of more bytes than it may take: {LARGER_MAX_MEMORY}");
+                *left = left.checked_sub(bytes).ok_or_else(most)?;
+                self.levels.number(word)
+            }
         };
-        number.and_then(|number| i32::try_from(number).ok()).unwrap_or(-1)
+        i32::try_from(number).map_err(|_| "more words than have numbers".into())
     }
 }
 

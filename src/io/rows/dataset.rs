@@ -67,9 +67,13 @@ impl DatasetRows {
         if dataset.attr("MATLAB_empty").is_ok() {
             return Err(refuse("is an empty matrix of MATLAB".into()));
         }
+        let class = dataset.attr("MATLAB_class").ok();
+        if class.as_ref().and_then(packing::text).is_some_and(|class| class == "char") {
+            return Err(refuse("is text of MATLAB, not real numbers".into()));
+        }
         let dimensions = dataset.ndim();
         // MATLAB stores columns one after another, and writes the extents in this order.
-        let transposed = dimensions == 2 && dataset.attr("MATLAB_class").is_ok();
+        let transposed = dimensions == 2 && class.is_some();
         let shape = match dataset.shape()[..] {
             [rows] => (rows, 1),
             [columns, rows] if transposed => (rows, columns),
@@ -84,7 +88,7 @@ impl DatasetRows {
         padded_bytes(&[shape.0, shape.1], size_of::<f64>())
             .map_err(|what| refuse(format!("has a {what}")))?;
         let entry = Entry::of(&dataset).map_err(refuse)?;
-        let packing = Packing::of(&dataset, entry.signed_bits).map_err(refuse)?;
+        let packing = Packing::of(&dataset, &entry).map_err(refuse)?;
         let holder = PathBuf::from(dataset.filename());
         let metadata = fs::metadata(&holder).map_err(|e| error_at(&holder, None, e))?;
         let sources = layout::sources(&dataset, &holder).map_err(refuse)?;

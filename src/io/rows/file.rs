@@ -68,6 +68,15 @@ pub(in crate::io) fn seekable(path: &Path) -> Result<Stamp> {
     Ok(Stamp::of(&metadata))
 }
 
+/// Checks that `count` rows from `first` on are among the `nrows` rows of a file.
+pub(in crate::io) fn check_rows(first: usize, count: usize, nrows: usize) -> Result<()> {
+    if first.checked_add(count).is_some_and(|end| end <= nrows) {
+        return Ok(());
+    }
+    let why = format!("{count} from row {first} on, but the file has {nrows}");
+    Err(Error::Argument { what: "rows", why })
+}
+
 /// Returns `path` without links and relative parts, where the system can tell.
 pub(in crate::io) fn canonical(path: &Path) -> PathBuf {
     fs::canonicalize(path).unwrap_or_else(|_| path.into())

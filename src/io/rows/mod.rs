@@ -16,7 +16,7 @@ use faer::MatMut;
 use self::dataset::DatasetRows;
 #[cfg(feature = "hdf5")]
 pub(super) use self::dataset::open as open_hdf5;
-pub(super) use self::file::{CHANGED, Stamp, canonical, seekable};
+pub(super) use self::file::{CHANGED, Stamp, canonical, check_rows, seekable};
 use self::npy::NpyRows;
 use super::columns::checked_columns;
 #[cfg(not(feature = "hdf5"))]
@@ -220,14 +220,8 @@ impl<T: Real> RowBlocks<T> for RowFile {
     }
 
     fn read(&mut self, first: usize, out: MatMut<'_, T>) -> Result<()> {
-        let nrows = self.nrows();
-        let rows = match first.checked_add(out.nrows()) {
-            Some(end) if end <= nrows => first..end,
-            _ => {
-                let why = format!("{} from row {first} on, but the file has {nrows}", out.nrows());
-                return Err(Error::Argument { what: "rows", why });
-            }
-        };
+        check_rows(first, out.nrows(), self.nrows())?;
+        let rows = first..first + out.nrows();
         Error::check_shape("block of rows", (rows.len(), self.ncols()), out.shape())?;
         if rows.is_empty() || self.columns.is_empty() {
             return Ok(());

@@ -21,7 +21,7 @@ use crate::io::columns::Columns;
 use crate::io::limits::{longest_line, memory_limit};
 use crate::io::names::FileFormat;
 use crate::io::packing::Packing;
-use crate::io::rows::{CHANGED, Stamp, canonical, seekable};
+use crate::io::rows::{CHANGED, Stamp, canonical, check_rows, seekable};
 use crate::io::source::{error, error_at};
 use crate::rows::RowBlocks;
 
@@ -205,7 +205,8 @@ impl TextFile {
             self.given = 0;
             self.held.clear();
             let changed = || error(&self.path, None, CHANGED);
-            let Some(engine) = &mut self.engine else { return Err(changed()) };
+            // After an error there is none, so that the next call begins again.
+            let Some(mut engine) = self.engine.take() else { return Err(changed()) };
             if engine.next(false)?.is_none() {
                 return Err(changed());
             }
@@ -216,6 +217,7 @@ impl TextFile {
                     return Err(changed());
                 }
             }
+            self.engine = Some(engine);
         }
     }
 
@@ -237,10 +239,7 @@ impl<T: Real> RowBlocks<T> for TextFile {
 
     fn read(&mut self, first: usize, mut out: MatMut<'_, T>) -> Result<()> {
         let (ncols, count) = (self.layout.ncols, out.nrows());
-        if first.checked_add(count).is_none_or(|end| end > self.nrows) {
-            let why = format!("{count} from row {first} on, but the file has {}", self.nrows);
-            return Err(Error::Argument { what: "rows", why });
-        }
+        check_rows(first, count, self.nrows)?;
         Error::check_shape("block of rows", (count, ncols), out.shape())?;
         if count == 0 || ncols == 0 {
             return Ok(());

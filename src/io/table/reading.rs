@@ -73,7 +73,8 @@ pub struct TableReading {
     pub trailing_separator: bool,
     /// Whether comments are left out that would be rows without the sign of comments.
     pub has_commented_rows: bool,
-    /// The columns of words that are left out: their names, or else numbers, from 0.
+    /// The columns that are left out, those of words in text and all without numbers elsewhere:
+    /// their names, or else numbers, from 0.
     pub left_out: Vec<String>,
     /// The columns that were read.
     pub columns: Vec<TableColumn>,

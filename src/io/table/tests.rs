@@ -39,9 +39,10 @@ fn content(text: impl AsRef<[u8]>, options: &ReadOptions<'_>) -> Result<FileCont
             same(&blocks, &doubles(&content.matrix));
         }
         (Err(_), Err(_)) | (_, Ok(None)) => {}
-        // The entries are read later.
+        // The entries are read later. A reader that failed fails again.
         (Err(e), Ok(Some(mut file))) => {
             let mut blocks = Mat::<f64>::zeros(file.nrows(), file.ncols());
+            assert_eq!(file.read(0, blocks.as_mut()).unwrap_err(), *e);
             assert_eq!(file.read(0, blocks.as_mut()).unwrap_err(), *e);
         }
         (Ok(_), Err(e)) => panic!("{e}"),

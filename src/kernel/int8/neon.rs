@@ -199,13 +199,10 @@ fn signed_digits(dwords: int32x4_t, highest: bool) -> int8x16_t {
 }
 
 /// Adds to each sum the dot product of its dword of `a` with dword `LANE` of `b`.
-///
-/// # Safety
-/// The CPU has the instruction.
 #[inline]
 #[target_feature(enable = "dotprod")]
 fn dot<const LANE: usize>(mut sums: int32x4_t, a: int8x16_t, b: int8x16_t) -> int32x4_t {
-    // SAFETY: only registers are touched.
+    // SAFETY: callers have the instruction, and only registers are touched.
     unsafe {
         asm!("sdot {sums:v}.4s, {a:v}.16b, {b:v}.4b[{lane}]", sums = inout(vreg) sums,
             a = in(vreg) a, b = in(vreg) b, lane = const LANE,
@@ -215,13 +212,10 @@ fn dot<const LANE: usize>(mut sums: int32x4_t, a: int8x16_t, b: int8x16_t) -> in
 }
 
 /// Adds to the 2 x 2 sums the products of the rows of `a` with those of `b`, eight bytes each.
-///
-/// # Safety
-/// The CPU has the instruction.
 #[inline]
 #[target_feature(enable = "neon,i8mm")]
 fn matrix_product(mut sums: int32x4_t, a: int8x16_t, b: int8x16_t) -> int32x4_t {
-    // SAFETY: only registers are touched.
+    // SAFETY: callers have the instruction, and only registers are touched.
     unsafe {
         asm!("smmla {sums:v}.4s, {a:v}.16b, {b:v}.16b", sums = inout(vreg) sums,
             a = in(vreg) a, b = in(vreg) b, options(pure, nomem, nostack, preserves_flags));

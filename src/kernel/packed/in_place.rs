@@ -1,5 +1,5 @@
-//! Products of matrices that are read in place, without packing. Nothing beyond their edges is
-//! read.
+//! Products of matrices that are read in place. Nothing beyond their edges is read. The right side
+//! may also be a packed panel.
 //!
 //! Everything here is inlined into functions that enable the instructions of one [`Vectors`].
 

@@ -24,7 +24,7 @@ macro_rules! vectors {
             const LANES: usize = 2 * $half;
             const ROWS: usize = 4;
             const COUNT: usize = 3;
-            const MASKED_STORES: bool = false;
+            const MASK_REGISTERS: bool = false;
 
             #[inline(always)]
             unsafe fn splat(x: $t) -> [$v; 2] {

@@ -20,28 +20,34 @@ const PACKED: usize = 9216;
 /// Columns of the widest panel, f32 with AVX-512.
 const WIDEST: usize = 48;
 
+/// Bytes of the largest panel, 60 KiB on the stack: panels of f64 have half of the columns.
+const PANEL: usize = DEPTH * WIDEST * size_of::<f32>();
+
 /// Most scalar multiplications of a small product of plain sources: what one thread computes before
 /// another has woken up.
 const WORK: usize = 4_000_000;
 
-/// The same if sources must be packed, a few rows at a time: about 30 microseconds.
+/// Rows of A whose products take as long as reading and writing C.
+const STORE: usize = 16;
+
+/// The same as [`WORK`] if sources must be packed, a few rows at a time: about 30 microseconds.
 const PACKED_WORK: usize = 1 << 20;
 
 /// Least number of rows packed at a time, if there are as many: fewer steps are slow.
 const LEAST_DEPTH: usize = 32;
 
-/// Returns whether to use [`run_small`]: for little work on few columns of sources, which may all
-/// be `plain` ([`Source::is_plain`]). Without divisions, since every call of a product asks.
+/// Returns whether to use [`run_small`]: for little work, and unless all sources are `plain`
+/// ([`Source::is_plain`]) for few columns. Without divisions, since every product asks.
 #[inline]
 pub(crate) fn is_small(shape: Shape, plain: bool) -> bool {
     let Shape { depth: m, rows, cols, same } = shape;
-    let work = m.saturating_mul(rows).saturating_mul(cols);
+    let work = |m: usize| m.saturating_mul(rows).saturating_mul(cols);
     if plain {
-        return work <= WORK;
+        return work(m.max(STORE)) <= WORK;
     }
     // Padded to whole panels of any kernel.
     let columns = rows.saturating_add(if same { 0 } else { cols }).saturating_add(2 * WIDEST);
-    work <= PACKED_WORK && m.min(LEAST_DEPTH).saturating_mul(columns) <= PACKED
+    work(m) <= PACKED_WORK && m.min(LEAST_DEPTH).saturating_mul(columns) <= PACKED
 }
 
 /// Uninitialized memory, aligned to a cache line.
@@ -93,8 +99,8 @@ fn strips_stay<T: Real>(right: Source<'_, T>, shape: Shape, geometry: Geometry) 
 /// Bytes after which addresses share a set of a first-level cache.
 const PAGE: usize = 4096;
 
-/// Computes a product of a matrix that is read in place, `wide` columns at a time of the side that
-/// `right` returns for a first row and the columns.
+/// Computes a product whose left side is read in place, `wide` columns of C at a time. `right`
+/// returns the right side from a first row on, for an area of those rows and columns.
 ///
 /// # Safety
 /// As for [`run_small`].
@@ -153,10 +159,11 @@ unsafe fn multiply_panels<T: Real>(
     shape: Shape,
 ) {
     let width = kernel.geometry().width;
-    let mut memory = Aligned::<[T; DEPTH * WIDEST]>(MaybeUninit::uninit());
+    debug_assert!(DEPTH * width * size_of::<T>() <= PANEL);
+    let mut memory = Aligned::<[u8; PANEL]>(MaybeUninit::uninit());
     let packed = memory.0.as_mut_ptr().cast::<T>();
     let side = |_, area: Area| {
-        // SAFETY: a panel of at most DEPTH rows fits the memory.
+        // SAFETY: a panel of at most DEPTH rows fits the memory, which is aligned.
         unsafe { kernel.pack(&[right], &area, Panels::new(packed, 0)) };
         // Where column 0 would be.
         let start = packed.wrapping_sub(area.cols.start).cast_const();

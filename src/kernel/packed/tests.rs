@@ -822,7 +822,7 @@ fn panels_are_written_to_their_end() {
 }
 
 fn check_small<T: FloatOperand>(rng: &mut Rng) {
-    const EXTENTS: [usize; 11] = [0, 1, 2, 3, 6, 9, 16, 17, 31, 50, 66];
+    const EXTENTS: [usize; 11] = [0, 1, 2, 3, 6, 9, 16, 17, 31, 50, 100];
     for depth in [0, 1, 2, 7, 33, 321, 700] {
         for rows in EXTENTS {
             for cols in EXTENTS {
@@ -836,7 +836,11 @@ fn check_small<T: FloatOperand>(rng: &mut Rng) {
                 for (coefficient, matrix) in spec.left.iter_mut().chain(&mut spec.right) {
                     *coefficient = 1.0;
                     if below(rng, 2) == 0 {
-                        *matrix = Stored::integers(Layout::Rows, matrix.rows, matrix.cols, rng);
+                        // Rows that share sets of the first-level cache are packed.
+                        let (rows, cols) = (matrix.rows, matrix.cols);
+                        let stride = pick(rng, &[cols, 4096 / size_of::<T>()]);
+                        *matrix = Stored::integers(Layout::Rows, rows, stride, rng);
+                        matrix.cols = cols;
                     }
                 }
                 let case = case::<T>(vec![spec], PLENTY, rng);

@@ -60,7 +60,7 @@ pub struct Arguments {
     /// Appends a line to FILE, after a header if it is new.
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     pub csv: Option<PathBuf>,
-    /// Measures on 1, 2, 4, ... ranks, A and as many rows for each; writes NAME.csv and NAME.svg.
+    /// Measures strong and weak scaling on 1, 2, 4, ... ranks; writes NAME.csv and NAME.svg.
     #[arg(long, value_name = "NAME", help_heading = OUTPUT)]
     #[arg(conflicts_with_all = ["check", "rival", "explain", "csv", "record"])]
     pub scaling: Option<String>,

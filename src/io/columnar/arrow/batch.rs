@@ -22,8 +22,9 @@ pub struct Block {
 const LARGEST_METADATA: u64 = 1 << 28;
 
 impl Block {
-    /// Returns the block of a footer, inside a file of `len` bytes.
-    pub fn of(bytes: &[u8; 24], len: u64) -> Result<Self, Fault> {
+    /// Returns the block of a footer, inside a file of `len` bytes, of which `left` are in no block
+    /// yet.
+    pub fn of(bytes: &[u8; 24], len: u64, left: &mut u64) -> Result<Self, Fault> {
         let number = |at: usize| {
             let eight = bytes[at..].first_chunk::<8>().copied().unwrap_or_default();
             i64::from_le_bytes(eight)
@@ -33,12 +34,12 @@ impl Block {
         let block = (u64::try_from(number(0)), u64::try_from(metadata), u64::try_from(number(16)));
         let (Ok(offset), Ok(metadata), Ok(body)) = block else { return Err(outside()) };
         let end = offset.checked_add(metadata).and_then(|end| end.checked_add(body));
-        match end {
-            Some(end) if end <= len && metadata <= LARGEST_METADATA => {
-                Ok(Self { offset, metadata, body })
-            }
-            _ => Err(outside()),
+        if end.is_none_or(|end| end > len) || metadata > LARGEST_METADATA {
+            return Err(outside());
         }
+        // Blocks that share bytes would take more memory than the file has bytes.
+        *left = left.checked_sub(metadata + body).ok_or("its parts overlap")?;
+        Ok(Self { offset, metadata, body })
     }
 
     /// Returns the metadata.
@@ -138,6 +139,9 @@ impl Batch {
             .saturating_add(of.buffers);
         match (self.nulls.get(first.nodes), self.buffers.get(start..end)) {
             (Some(&nulls), Some(buffers)) if nulls <= self.rows => {
+                if nulls > 0 && buffers.first().is_some_and(|&(_, len)| len == 0) {
+                    return Err("missing cells, but no bits that say which".into());
+                }
                 Ok(Place { rows: self.rows, nulls, buffers: buffers.to_vec(), codec: self.codec })
             }
             _ => Err("fewer columns than the schema has".into()),
@@ -223,7 +227,13 @@ impl Buffer {
         match u64::try_from(i64::from_le_bytes(*size)) {
             Err(_) => self.held = packed.to_vec(),
             Ok(size) if size > self.limit => return Err(too_large(size as f64)),
-            Ok(size) => self.held = unpack(codec, packed, &[], size as usize)?,
+            Ok(size) => {
+                let most = usize::try_from(self.limit).unwrap_or(usize::MAX);
+                self.held = unpack(codec, packed, &[], most)?;
+                if self.held.len() as u64 != size {
+                    return Err("a buffer does not unpack to the size that it says".into());
+                }
+            }
         }
         Ok(())
     }

@@ -27,6 +27,10 @@ const MAGIC: &[u8; 6] = b"ARROW1";
 /// How files of version 1 of Feather begin.
 const FEATHER1: &[u8; 4] = b"FEA1";
 
+/// The first version of the metadata that is read, and the one after it, as they are encoded.
+const VERSION4: i16 = 3;
+const VERSION5: i16 = 4;
+
 /// Kinds of messages.
 const DICTIONARY: u8 = 2;
 const RECORDS: u8 = 3;
@@ -80,11 +84,16 @@ impl ArrowStore {
         let mut footer = vec![0; size as usize];
         read_at(file, len - 10 - size, &mut footer)?;
         let footer = Table::root(&footer)?;
+        let version = footer.i16(0)?;
+        if version < VERSION4 {
+            return Err("metadata of a version before 4, which is not read".into());
+        }
         let schema = footer.table(1)?.ok_or("no schema")?;
-        let columns = schema::columns(schema)?;
+        let columns = schema::columns(schema, version < VERSION5)?;
         let (mut batches, mut groups, mut all) = (Vec::new(), Vec::new(), 0_usize);
+        let mut left = len;
         for block in footer.vector::<24>(3)? {
-            let block = Block::of(block, len)?;
+            let block = Block::of(block, len, &mut left)?;
             let metadata = block.metadata(file)?;
             let message = Table::root(&metadata)?;
             if message.u8(1)? != RECORDS {
@@ -97,7 +106,7 @@ impl ArrowStore {
         }
         let mut parts: HashMap<i64, Vec<Batch>> = HashMap::new();
         for block in footer.vector::<24>(2)? {
-            let block = Block::of(block, len)?;
+            let block = Block::of(block, len, &mut left)?;
             let metadata = block.metadata(file)?;
             let message = Table::root(&metadata)?;
             if message.u8(1)? != DICTIONARY {
@@ -106,9 +115,11 @@ impl ArrowStore {
             let dictionary = message.table(2)?.ok_or("an empty message")?;
             let batch = Batch::of(dictionary.table(1)?.ok_or("an empty dictionary")?, block)?;
             let known = parts.entry(dictionary.i64(0)?).or_default();
-            // What is no addition replaces.
-            if dictionary.u8(2)? == 0 {
-                known.clear();
+            // Which of the record batches have the first one is not known.
+            if dictionary.u8(2)? == 0 && !known.is_empty() {
+                return Err(
+                    "a dictionary that replaces another one, which a file may not have".into()
+                );
             }
             known.push(batch);
         }
@@ -142,12 +153,12 @@ impl ArrowStore {
             Entry::View => Extent { nodes: 1, buffers: 2, views: 1 },
             _ => Extent { nodes: 1, buffers: 3, views: 0 },
         };
-        let mut words = Dictionary::new();
+        let (mut words, mut left) = (Dictionary::new(), self.limit);
         for part in self.parts.get(&id).ok_or("a column without its dictionary")? {
             let place = part.place(std::iter::empty(), &extent)?;
             let (rows, stored) = (part.rows, stored.clone());
             let mut values = Values::new(self.file()?, place, stored, Numbers::None, self.limit);
-            words.extend(values.words(rows)?);
+            words.extend(values.words(rows, &mut left)?);
         }
         let words = Arc::new(words);
         known.insert(id, words.clone());
@@ -181,8 +192,10 @@ impl Store for ArrowStore {
             (Some(words), Entry::Coded(_, id), Some(stored)) => {
                 let dictionary = self.dictionary(*id, stored)?;
                 let mut numbering = words.numbering();
-                let number = |word: &Option<Vec<u8>>| Some(numbering.number(word.as_ref()?));
-                Numbers::Coded(dictionary.iter().map(number).collect())
+                let number = |word: &Option<Vec<u8>>| {
+                    word.as_ref().map(|word| numbering.number(word)).transpose()
+                };
+                Numbers::Coded(dictionary.iter().map(number).collect::<Result<_, Fault>>()?)
             }
             (Some(words), ..) => Numbers::Of(words.clone()),
             (None, ..) => Numbers::None,

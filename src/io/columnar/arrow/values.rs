@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::batch::{Buffer, Place};
 use super::schema::Entry;
+use crate::io::columnar::codec::too_large;
 use crate::io::columnar::decimal::decimal;
 use crate::io::columnar::store::{Cells, ColumnReader, Fault};
 use crate::io::columnar::words::{self, Words};
@@ -41,13 +42,20 @@ impl Values {
         Self { file, entry, next: 0, rows, present, buffers, words }
     }
 
-    /// Reads the next `rows` words; `None` for missing ones.
-    pub fn words(&mut self, rows: usize) -> Result<Vec<Option<Vec<u8>>>, Fault> {
+    /// Reads the next `rows` words; `None` for missing ones. They take some of the `left` bytes of
+    /// memory.
+    pub fn words(&mut self, rows: usize, left: &mut u64) -> Result<Vec<Option<Vec<u8>>>, Fault> {
         if u32::try_from(rows).is_err() {
             return Err("more words than have numbers".into());
         }
-        let mut found = Vec::new();
-        self.each_word(rows, |word| found.push(word.map(<[u8]>::to_vec)))?;
+        let (mut found, most) = (Vec::new(), *left);
+        self.each_word(rows, |word| {
+            // Views may share the bytes of a long word.
+            let bytes = size_of::<Option<Vec<u8>>>() + word.map_or(0, <[u8]>::len);
+            *left = left.checked_sub(bytes as u64).ok_or_else(|| too_large(most as f64))?;
+            found.push(word.map(<[u8]>::to_vec));
+            Ok(())
+        })?;
         Ok(found)
     }
 
@@ -88,7 +96,11 @@ impl Values {
     }
 
     /// Calls `work` with the next words; `None` for missing ones.
-    fn each_word(&mut self, rows: usize, work: impl FnMut(Option<&[u8]>)) -> Result<(), Fault> {
+    fn each_word(
+        &mut self,
+        rows: usize,
+        work: impl FnMut(Option<&[u8]>) -> Result<(), Fault>,
+    ) -> Result<(), Fault> {
         match self.entry {
             Entry::Text(4) => self.texts::<4>(rows, |b| u32::from_le_bytes(b) as usize, work),
             Entry::Text(_) => self.texts::<8>(rows, |b| u64::from_le_bytes(b) as usize, work),
@@ -100,7 +112,7 @@ impl Values {
         &mut self,
         rows: usize,
         number: impl Fn([u8; N]) -> usize,
-        mut work: impl FnMut(Option<&[u8]>),
+        mut work: impl FnMut(Option<&[u8]>) -> Result<(), Fault>,
     ) -> Result<(), Fault> {
         if rows == 0 {
             return Ok(());
@@ -113,16 +125,20 @@ impl Values {
         let bytes: &[u8] = if len == 0 { &[] } else { self.entries(1, first, len)? };
         for (i, pair) in ends.windows(2).enumerate() {
             if present.as_ref().is_some_and(|(bits, before)| !bit(bits, before + i)) {
-                work(None);
+                work(None)?;
                 continue;
             }
             let (start, end) = (pair[0].wrapping_sub(first), pair[1].wrapping_sub(first));
-            work(Some(bytes.get(start..end).ok_or("words that end before they begin")?));
+            work(Some(bytes.get(start..end).ok_or("words that end before they begin")?))?;
         }
         Ok(())
     }
 
-    fn views(&mut self, rows: usize, mut work: impl FnMut(Option<&[u8]>)) -> Result<(), Fault> {
+    fn views(
+        &mut self,
+        rows: usize,
+        mut work: impl FnMut(Option<&[u8]>) -> Result<(), Fault>,
+    ) -> Result<(), Fault> {
         const SHORT: usize = 12;
         let present = self.present(rows)?;
         let views = self.entries(0, self.next * 16, rows * 16)?.as_chunks::<16>().0.to_vec();
@@ -131,19 +147,19 @@ impl Values {
         };
         for (i, view) in views.iter().enumerate() {
             if present.as_ref().is_some_and(|(bits, before)| !bit(bits, before + i)) {
-                work(None);
+                work(None)?;
                 continue;
             }
             let len = number(view, 0);
             if len <= SHORT {
-                work(Some(&view[4..4 + len]));
+                work(Some(&view[4..4 + len]))?;
                 continue;
             }
             let (buffer, start) = (number(view, 8), number(view, 12));
             let Self { buffers, file, .. } = &mut *self;
             let buffer = buffers.get_mut(buffer + 1).ok_or("a word in no buffer")?;
             let word = buffer.all(file)?.get(start..).and_then(|rest| rest.get(..len));
-            work(Some(word.ok_or("a word beyond its buffer")?));
+            work(Some(word.ok_or("a word beyond its buffer")?))?;
         }
         Ok(())
     }
@@ -152,9 +168,12 @@ impl Values {
         let Numbers::Of(words) = &self.words else { return Err("words without numbers".into()) };
         let words = words.clone();
         let mut numbering = words.numbering();
-        self.each_word(rows, |word| match word {
-            Some(word) => cells.values.push(words::entry(numbering.number(word))),
-            None => cells.miss(),
+        self.each_word(rows, |word| {
+            match word {
+                Some(word) => cells.values.push(words::entry(numbering.number(word)?)),
+                None => cells.miss(),
+            }
+            Ok(())
         })
     }
 

@@ -141,12 +141,16 @@ fn entry(column: &ColumnDescriptor) -> Result<Entry, &'static str> {
         Physical::INT96 => Err("times"),
         Physical::BYTE_ARRAY | Physical::FIXED_LEN_BYTE_ARRAY => Err("bytes"),
     };
+    let decimal = |scale: i32| match column.type_precision() {
+        ..=38 => Ok(Decimal(scale)),
+        _ => Err("decimals of more than 38 digits"),
+    };
     let is_bytes = column.physical_type() == Physical::BYTE_ARRAY;
     let word = if is_bytes { Ok(Word) } else { Err("values of another type") };
     if let Some(logical) = column.logical_type_ref() {
         return match logical {
             LogicalType::String | LogicalType::Enum => word,
-            LogicalType::Decimal(logical) => Ok(Decimal(logical.scale)),
+            LogicalType::Decimal(logical) => decimal(logical.scale),
             LogicalType::Integer(int) if int.is_signed => by_size,
             LogicalType::Integer(_) => Ok(if by_size == Ok(I32) { U32 } else { U64 }),
             LogicalType::Float16 if column.type_length() == 2 => Ok(F16),
@@ -159,7 +163,7 @@ fn entry(column: &ColumnDescriptor) -> Result<Entry, &'static str> {
     }
     match column.converted_type() {
         ConvertedType::UTF8 | ConvertedType::ENUM => word,
-        ConvertedType::DECIMAL => Ok(Decimal(column.type_scale())),
+        ConvertedType::DECIMAL => decimal(column.type_scale()),
         ConvertedType::UINT_8 | ConvertedType::UINT_16 | ConvertedType::UINT_32 => Ok(U32),
         ConvertedType::UINT_64 => Ok(U64),
         ConvertedType::DATE => Err("dates"),

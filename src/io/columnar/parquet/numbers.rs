@@ -61,9 +61,6 @@ pub fn open(
             open_as::<Int64Type>(column, pages, move |&v| decimal(v.into(), scale))
         }
         (Entry::Decimal(scale), Physical::FIXED_LEN_BYTE_ARRAY) => {
-            if column.type_length() > 16 {
-                return Err("decimals of more than 38 digits".into());
-            }
             open_as::<FixedLenByteArrayType>(column, pages, move |v| {
                 big_endian(v.data()).map_or(f64::NAN, |v| decimal(v, scale))
             })

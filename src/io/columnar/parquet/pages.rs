@@ -105,7 +105,7 @@ fn numbers(page: &[u8], start: usize, numbering: &mut Numbering) -> Result<Bytes
         let (size, behind) = rest.split_first_chunk::<4>().ok_or_else(short)?;
         let size = u32::from_le_bytes(*size) as usize;
         let (word, behind) = behind.split_at_checked(size).ok_or_else(short)?;
-        out.extend_from_slice(&numbering.number(word).to_le_bytes());
+        out.extend_from_slice(&numbering.number(word)?.to_le_bytes());
         rest = behind;
     }
     Ok(out.into())
@@ -138,8 +138,12 @@ impl PageReader for Pages {
     fn get_next_page(&mut self) -> Result<Option<Page>> {
         let Some(mut page) = self.packed.get_next_page()? else { return Ok(None) };
         match &mut page {
-            Page::DictionaryPage { buf, .. } => {
+            Page::DictionaryPage { buf, num_values, .. } => {
                 *buf = self.numbered(self.unpacked(buf, 0, true)?, 0, Encoding::PLAIN)?;
+                // The crate allocates so many entries before it decodes them.
+                if *num_values as usize > buf.len() {
+                    return Err(fail("a dictionary with fewer entries than its header says"));
+                }
                 self.has_dictionary = true;
             }
             Page::DataPage { buf, encoding, def_level_encoding, num_values, .. } => {

@@ -39,8 +39,9 @@ impl Entry {
             TypeDescriptor::Unsigned(_) | TypeDescriptor::Boolean => {}
             TypeDescriptor::Enum(names) => {
                 let count = names.members.len();
-                let mut first: Vec<_> = names.members.iter().take(LISTED).collect();
+                let mut first: Vec<_> = names.members.iter().collect();
                 first.sort_by_key(|member| member.value);
+                first.truncate(LISTED);
                 let name = |member: &&::hdf5::types::EnumMember| {
                     format!("{} = {}", member.name, member.value)
                 };

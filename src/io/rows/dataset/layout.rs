@@ -24,7 +24,7 @@ const PART: u64 = 16;
 /// Bytes of a chunk in an advice: large enough to be packed well, small enough to be kept.
 const CHUNK: usize = 1 << 20;
 
-/// Files that hold entries of a virtual dataset, and their size and time of modification.
+/// The other files that hold entries of a virtual dataset, and their size and time of modification.
 pub(super) type Sources = Vec<(PathBuf, Stamp)>;
 
 /// Finds the files that hold the entries of a virtual dataset in the file `holder`; none for
@@ -43,29 +43,35 @@ pub(super) fn sources(dataset: &Dataset, holder: &Path) -> Result<Sources, Strin
     if creation.layout() != Layout::Virtual {
         return Ok(Vec::new());
     }
-    let mut all = Sources::new();
+    let (mut all, mut seen) = (Sources::new(), Vec::new());
     for mapping in creation.virtual_map() {
         let (file, name) = (&mapping.src_filename, &mapping.src_dataset);
         if file.contains("%b") || name.contains("%b") {
             return Err(format!(
-                "is virtual, of files named by a pattern ({file}:{name}), which is \
-                                not read: name the files when the dataset is made"
+                "is virtual, of files named by a pattern ({file}:{name}), which is not read: \
+                 name the files when the dataset is made"
             ));
         }
+        let refused = |why: &str| format!("is virtual, and its part {file}:{name} {why}");
         if file == "." {
+            let own = dataset.file().and_then(|file| file.dataset(name));
+            own.map_err(|_| refused("is missing"))?;
             continue;
         }
         let beside = holder.parent().unwrap_or(Path::new("")).join(file);
-        let path = if beside.exists() { beside } else { file.into() };
-        if all.iter().any(|(other, _)| *other == path) {
+        let part = (if beside.exists() { beside } else { file.into() }, name.clone());
+        if seen.contains(&part) {
             continue;
         }
-        let refused = |why: &str| format!("is virtual, and its part {file}:{name} {why}");
-        let about = fs::metadata(&path).map_err(|_| refused("is missing"))?;
+        let path = &part.0;
+        let about = fs::metadata(path).map_err(|_| refused("is missing"))?;
         let (opened, _) =
-            access::open(&path).map_err(|e| refused(&format!("can't be read: {e}")))?;
+            access::open(path).map_err(|e| refused(&format!("can't be read: {e}")))?;
         opened.dataset(name).map_err(|_| refused("is missing"))?;
-        all.push((path, Stamp::of(&about)));
+        if all.iter().all(|(other, _)| other != path) {
+            all.push((path.clone(), Stamp::of(&about)));
+        }
+        seen.push(part);
     }
     Ok(all)
 }
@@ -160,8 +166,10 @@ impl Chunks {
     /// Opens the dataset of this name such that a row of chunks is kept, where memory allows it:
     /// each chunk is then unpacked once, however many blocks of rows it spans.
     pub fn open(&self, file: &File, name: &str) -> ::hdf5::Result<Dataset> {
-        let bytes = if self.band <= self.most() { self.band.max(CACHE.0) } else { CACHE.0 };
-        let slots = CACHE.1.max(10 * self.count + 1);
+        let (bytes, slots) = match self.band <= self.most() {
+            true => (self.band.max(CACHE.0), CACHE.1.max(10 * self.count + 1)),
+            false => CACHE,
+        };
         let access = DatasetAccess::build().chunk_cache(slots, bytes, 1.0).finish()?;
         let name = CString::new(name).map_err(|e| ::hdf5::Error::Internal(e.to_string()))?;
         ::hdf5::sync::sync(|| {

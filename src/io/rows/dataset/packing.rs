@@ -6,6 +6,8 @@ use std::fmt;
 use ::hdf5::types::{FixedAscii, FixedUnicode, VarLenAscii, VarLenUnicode};
 use ::hdf5::{Attribute, Dataset};
 
+use super::entry::Entry;
+
 /// Attributes that bound the entries, and that are not applied.
 const BOUNDS: [&str; 3] = ["valid_range", "valid_min", "valid_max"];
 
@@ -23,11 +25,11 @@ pub(super) struct Packing {
 }
 
 impl Packing {
-    /// Reads the attributes of a dataset; `signed_bits` are those of its integers.
+    /// Reads the attributes of a dataset with these entries.
     ///
     /// # Errors
     /// The end of a sentence about the dataset: a factor or an offset that is no number.
-    pub fn of(dataset: &Dataset, signed_bits: Option<u32>) -> Result<Self, String> {
+    pub fn of(dataset: &Dataset, entry: &Entry) -> Result<Self, String> {
         let found = dataset.attr_names().unwrap_or_default();
         let has = |name: &str| found.iter().any(|other| other == name);
         let numbers = |name: &str| -> Option<Vec<f64>> {
@@ -42,14 +44,18 @@ impl Packing {
         let (scale, offset) = (one("scale_factor", 1.0)?, one("add_offset", 0.0)?);
         let is_unsigned = has("_Unsigned")
             && dataset.attr("_Unsigned").ok().and_then(|a| text(&a)).is_some_and(|t| t == "true");
-        let wrap = match signed_bits {
+        let wrap = match entry.signed_bits {
             Some(bits) if is_unsigned => 2.0_f64.powi(bits as i32),
             _ => 0.0,
         };
+        // The attribute may be in another precision than the entries that equal it.
+        let stored = |x: f64| if entry.is_single { f64::from(x as f32) } else { x };
         let (mut missing, mut ignored) = (Vec::new(), Vec::new());
         for name in ["_FillValue", "missing_value"].into_iter().filter(|name| has(name)) {
             match numbers(name) {
-                Some(values) => missing.extend(values.into_iter().filter(|x| !x.is_nan())),
+                Some(values) => {
+                    missing.extend(values.into_iter().map(stored).filter(|x| !x.is_nan()));
+                }
                 None => ignored.push(name.to_owned()),
             }
         }

@@ -1,7 +1,7 @@
 """Least squares of public tables by ours, R's lm and statsmodels, beside 60 digits.
 
-    statistics.py PROGRAM RECORD    fits all tables by the command line PROGRAM; writes RECORD
-    statistics.py --expected        writes what tests compare with: EXPECTED
+    least_squares.py PROGRAM RECORD    fits all tables by the command line PROGRAM; writes RECORD
+    least_squares.py --expected        writes what tests compare with: EXPECTED
 
 A target is the first column unless it is named; the other columns that are used are regressors.
 Factors are coded by treatment. Rows with a missing cell in a column that is used are left out.
