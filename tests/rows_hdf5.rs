@@ -481,25 +481,24 @@ fn virtual_datasets_are_read_and_their_parts_are_watched() {
         store(&File::create(part(k)).unwrap(), "x", (2, 3), &values);
     }
     let path = folder.path().join("all.h5");
-    let file = File::create(&path).unwrap();
-    let all =
-        file.new_dataset::<f64>().shape((4, 3)).with_dcpl(|list| {
+    // A file that is open for writing would open its parts for writing.
+    {
+        let file = File::create(&path).unwrap();
+        let all = file.new_dataset::<f64>().shape((4, 3)).with_dcpl(|list| {
             list.virtual_map("part0.h5", "x", (2, 3), (0..2, 0..3), (4, 3), (0..2, 0..3))
                 .virtual_map("part1.h5", "x", (2, 3), (0..2, 0..3), (4, 3), (2..4, 0..3))
         });
-    drop(all.create("all").unwrap());
-    let lacking =
-        file.new_dataset::<f64>().shape((4, 3)).with_dcpl(|list| {
+        all.create("all").unwrap();
+        let lacking = file.new_dataset::<f64>().shape((4, 3)).with_dcpl(|list| {
             list.virtual_map("part0.h5", "x", (2, 3), (0..2, 0..3), (4, 3), (0..2, 0..3))
                 .virtual_map("part0.h5", "y", (2, 3), (0..2, 0..3), (4, 3), (2..4, 0..3))
         });
-    drop(lacking.create("other").unwrap());
-    let lacking = file
-        .new_dataset::<f64>()
-        .shape((2, 3))
-        .with_dcpl(|list| list.virtual_map(".", "z", (2, 3), (0..2, 0..3), (2, 3), (0..2, 0..3)));
-    drop(lacking.create("own").unwrap());
-    drop(file);
+        lacking.create("other").unwrap();
+        let lacking = file.new_dataset::<f64>().shape((2, 3)).with_dcpl(|list| {
+            list.virtual_map(".", "z", (2, 3), (0..2, 0..3), (2, 3), (0..2, 0..3))
+        });
+        lacking.create("own").unwrap();
+    }
     for (name, part) in [("other", "part0.h5:y"), ("own", ".:z")] {
         let said = refusal(&path, name);
         assert!(said.contains(&format!("its part {part} is missing")), "{said}");

@@ -54,7 +54,7 @@ mod tests {
         "curve/surface.rs side",
         // `None` in the library.
         "decimate.rs first",
-        "demo/mod.rs out",
+        "demo/mod.rs output",
         "device.rs device",
         "distance.rs method",
         "farthest.rs first",

@@ -5,7 +5,7 @@ use std::io::Read;
 
 use lz4_flex::block::DecompressError;
 
-use super::store::Fault;
+use super::fault::Fault;
 use crate::base::byte_size;
 use crate::io::limits::LARGER_MAX_MEMORY;
 

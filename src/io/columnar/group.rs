@@ -6,7 +6,8 @@ use std::sync::Arc;
 use faer::MatMut;
 use faer::prelude::ReborrowMut;
 
-use super::store::{Cells, ColumnReader, Fault, Store};
+use super::fault::Fault;
+use super::store::{Cells, ColumnReader, Store};
 use super::words::Words;
 use crate::base::{Error, Par, Real, Result};
 use crate::io::source::error;

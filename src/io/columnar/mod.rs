@@ -11,6 +11,7 @@
 mod arrow;
 mod codec;
 mod decimal;
+mod fault;
 mod file;
 mod group;
 mod parquet;

@@ -2,10 +2,8 @@
 
 use std::sync::Arc;
 
+use super::fault::Fault;
 use super::words::Words;
-
-/// What is wrong with a column; the caller adds the file, the column and the group.
-pub type Fault = String;
 
 /// A column of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::store::Fault;
+use super::fault::Fault;
 use crate::io::limits::LARGER_MAX_MEMORY;
 use crate::io::table::Levels;
 

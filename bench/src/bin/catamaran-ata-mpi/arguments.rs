@@ -24,7 +24,7 @@ pub struct Arguments {
     /// Uses entries of 4 bytes (f32) instead of 8 (f64).
     #[arg(long, help_heading = PROBLEM)]
     pub f32: bool,
-    /// Reads A from FILE (.npy, or F.h5:/dataset with HDF5) instead of generating it; mode rows.
+    /// Reads A from FILE (.npy, or F.h5:/dataset with HDF5), in mode rows.
     #[arg(long, value_name = "FILE", help_heading = PROBLEM)]
     #[arg(conflicts_with_all = ["m", "n", "rival"])]
     pub file: Option<PathBuf>,
@@ -60,7 +60,7 @@ pub struct Arguments {
     /// Appends a line to FILE, after a header if it is new.
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     pub csv: Option<PathBuf>,
-    /// Measures strong and weak scaling on 1, 2, 4, ... ranks; writes NAME.csv and NAME.svg.
+    /// Measures strong and weak scaling; writes NAME.csv and NAME.svg.
     #[arg(long, value_name = "NAME", help_heading = OUTPUT)]
     #[arg(conflicts_with_all = ["check", "rival", "explain", "csv", "record"])]
     pub scaling: Option<String>,

@@ -1,4 +1,5 @@
-use catamaran_geometry::mesh::vector::{Vector, dot, unit};
+use catamaran_geometry::mesh::TriMesh;
+use catamaran_geometry::mesh::vector::{Vector, dot, sub, unit};
 
 use super::camera::{Camera, Projected};
 use super::lamp::LAMPS;
@@ -49,7 +50,7 @@ impl<'a> Shader<'a> {
         let turned = |normals: Vec<Vector>| normals.into_iter().map(|n| camera.turn(n)).collect();
         let face_normals = turned(panel.mesh.face_normals());
         let vertex_normals =
-            if scene.smooth { turned(panel.mesh.vertex_normals()) } else { Vec::new() };
+            if scene.smooth { vertex_normals(panel.mesh, &face_normals) } else { Vec::new() };
         let tangents = match panel.paint {
             Paint::Texture(texture @ Texture { material: Some(_), .. }) => {
                 Tangent::of_faces(panel.mesh, texture.uv, camera)
@@ -156,6 +157,22 @@ pub fn lambert(normal: Vector) -> f64 {
 pub fn gloss(normal: Vector) -> f64 {
     let half = unit(std::array::from_fn(|k| LAMPS[0].0[k] + [0.0, 0.0, 1.0][k]));
     dot(normal, half).max(0.0).powi(GLOSS.1)
+}
+
+/// Returns the normals of the vertices: means over the faces around, weighted by angles, so that it
+/// does not matter how a flat side is divided into faces.
+fn vertex_normals(mesh: &TriMesh, face_normals: &[Vector]) -> Vec<Vector> {
+    let mut sums = vec![[0.0; 3]; mesh.vertices().len()];
+    for (&face, normal) in mesh.faces().iter().zip(face_normals) {
+        let corners = face.map(|v| mesh.vertices()[v as usize]);
+        for (k, v) in face.into_iter().enumerate() {
+            let [a, b] = [1, 2].map(|i| unit(sub(corners[(k + i) % 3], corners[k])));
+            let angle = dot(a, b).clamp(-1.0, 1.0).acos();
+            let sum = &mut sums[v as usize];
+            *sum = std::array::from_fn(|i| sum[i] + angle * normal[i]);
+        }
+    }
+    sums.into_iter().map(unit).collect()
 }
 
 fn mix(shares: [f64; 3], corners: [Vector; 3]) -> Vector {

@@ -7,7 +7,7 @@ use std::io::{Read, Seek, SeekFrom};
 use super::flat::Table;
 use super::schema::Extent;
 use crate::io::columnar::codec::{Codec, too_large, unpack};
-use crate::io::columnar::store::Fault;
+use crate::io::columnar::fault::Fault;
 
 /// Where a message is.
 #[derive(Debug, Clone, Copy)]

@@ -1,7 +1,7 @@
 //! Tables of FlatBuffers, the encoding of Arrow's metadata. Every access is checked.
 //! Source: "FlatBuffers internals", <https://flatbuffers.dev/internals/>.
 
-use crate::io::columnar::store::Fault;
+use crate::io::columnar::fault::Fault;
 
 /// A table in bytes.
 #[derive(Debug, Clone, Copy)]

@@ -1,7 +1,8 @@
 //! The columns of an Arrow file. Source: `Schema.fbs` of Arrow's columnar format, version 1.5.
 
 use super::flat::Table;
-use crate::io::columnar::store::{Fault, Field, Kind};
+use crate::io::columnar::fault::Fault;
+use crate::io::columnar::store::{Field, Kind};
 
 /// Columns within columns at most.
 const DEEPEST: usize = 64;

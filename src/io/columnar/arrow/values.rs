@@ -7,7 +7,8 @@ use super::batch::{Buffer, Place};
 use super::schema::Entry;
 use crate::io::columnar::codec::too_large;
 use crate::io::columnar::decimal::decimal;
-use crate::io::columnar::store::{Cells, ColumnReader, Fault};
+use crate::io::columnar::fault::Fault;
+use crate::io::columnar::store::{Cells, ColumnReader};
 use crate::io::columnar::words::{self, Words};
 use crate::io::npy::half;
 

@@ -2,7 +2,7 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use crate::io::columnar::store::Fault;
+use crate::io::columnar::fault::Fault;
 
 /// Returns what `work` returns. The crate panics on some damaged files.
 pub fn guarded<R>(work: impl FnOnce() -> Result<R, Fault>) -> Result<R, Fault> {

@@ -14,7 +14,8 @@ use parquet::schema::types::{ColumnDescPtr, ColumnDescriptor, Type};
 use super::guard::guarded;
 use super::pages::Pages;
 use crate::io::columnar::decimal::{big_endian, decimal};
-use crate::io::columnar::store::{Cells, ColumnReader, Fault};
+use crate::io::columnar::fault::Fault;
+use crate::io::columnar::store::{Cells, ColumnReader};
 use crate::io::columnar::words;
 use crate::io::npy::half;
 

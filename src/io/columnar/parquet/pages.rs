@@ -13,7 +13,7 @@ use parquet::file::metadata::ColumnChunkMetaData;
 use parquet::file::serialized_reader::SerializedPageReader;
 
 use crate::io::columnar::codec::{Codec, unpack};
-use crate::io::columnar::store::Fault;
+use crate::io::columnar::fault::Fault;
 use crate::io::columnar::words::{Numbering, Words};
 
 /// The pages of a column in a row group.
