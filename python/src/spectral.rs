@@ -1,7 +1,7 @@
 //! Bases of eigenfunctions and of their products, functional maps, transfer of functions.
 
 use catamaran::Par;
-use catamaran::base::Progress;
+use catamaran::base::{FloatEnv, Progress};
 use catamaran::faer::{Mat, Scale};
 use catamaran::sparse::{EigenOptions, Mass, eigs};
 use catamaran_geometry::mesh::{Boundary, LaplacianOptions, laplacian};
@@ -103,6 +103,7 @@ impl Eigenbasis {
         let values = Array::<f64>::new("values", values, &[1])?.entries().into_owned();
         let functions = Array::<f64>::new("functions", functions, &[2])?.view().to_owned();
         let mass = mass_of(Some(mass), functions.nrows())?;
+        let _nearest = FloatEnv::nearest();
         let basis = Basis::new(values, functions, mass).map_err(exception)?;
         Ok(Self { basis, pieces })
     }
@@ -157,6 +158,7 @@ impl Eigenbasis {
         threads: Threads,
     ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
         let (values, functions) = (self.basis.values(), self.basis.functions());
+        let _nearest = FloatEnv::nearest();
         let times = match times {
             Some(times) => Array::<f64>::new("times", times, &[1])?.entries().into_owned(),
             None => heat_times(values, count).map_err(exception)?,
@@ -177,6 +179,7 @@ impl Eigenbasis {
         threads: Threads,
     ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
         let (values, functions) = (self.basis.values(), self.basis.functions());
+        let _nearest = FloatEnv::nearest();
         let scales = wave_scales(values, count).map_err(exception)?;
         let (par, at) = (par(threads)?, &scales);
         let found = run(py, Length::Long, None, move |_| {

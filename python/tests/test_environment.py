@@ -32,6 +32,7 @@ def results():
     other = catamaran.Accumulator(6, center=True)
     other.add(few[::-1] * 3.0)
     accumulator.merge(other)
+    basis = catamaran.Eigenbasis(vertices, faces, 5)
     found = [
         catamaran.ata(a),
         catamaran.ata(a, threads=4),
@@ -47,7 +48,9 @@ def results():
         accumulator.cov(),
         accumulator.result(alpha=0.3),
         *catamaran.eigsh(vertices, faces, 5)[:2],
-        *catamaran.Eigenbasis(vertices, faces, 5).split(vertices),
+        *basis.split(vertices),
+        *basis.heat_kernel_signature(3),
+        *basis.wave_kernel_signature(3),
         catamaran.decimate(vertices, faces, 40).carried(faces, vertices),
     ]
     return [np.asarray(x).tobytes() for x in found]
