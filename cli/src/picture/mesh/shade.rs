@@ -47,8 +47,8 @@ impl<'a> Shader<'a> {
         camera: &Camera,
         points: &'a [Projected],
     ) -> Self {
-        let turned = |normals: Vec<Vector>| normals.into_iter().map(|n| camera.turn(n)).collect();
-        let face_normals = turned(panel.mesh.face_normals());
+        let normals = panel.mesh.face_normals().into_iter();
+        let face_normals: Vec<Vector> = normals.map(|n| camera.turn(n)).collect();
         let vertex_normals =
             if scene.smooth { vertex_normals(panel.mesh, &face_normals) } else { Vec::new() };
         let tangents = match panel.paint {
