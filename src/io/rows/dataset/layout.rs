@@ -1,14 +1,17 @@
 //! Where the entries of a dataset lie: in which files, packed by what, and in which chunks.
 
-use std::ffi::CString;
+use std::ffi::{CString, c_char};
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::ptr;
 
 use ::hdf5::dataset::Layout;
 use ::hdf5::filters::Filter;
-use ::hdf5::plist::DatasetAccess;
+use ::hdf5::plist::{DatasetAccess, DatasetCreate};
 use ::hdf5::{Dataset, File};
 use ::hdf5_sys::h5d::H5Dopen2;
+use ::hdf5_sys::h5i::hid_t;
+use ::hdf5_sys::h5p::{H5Pget_virtual_count, H5Pget_virtual_dsetname, H5Pget_virtual_filename};
 
 use super::access;
 use crate::base::{available_memory, byte_size};
@@ -43,9 +46,9 @@ pub(super) fn sources(dataset: &Dataset, holder: &Path) -> Result<Sources, Strin
     if creation.layout() != Layout::Virtual {
         return Ok(Vec::new());
     }
+    let parts = parts(&creation).map_err(|e| format!("is virtual, and HDF5 says: {e}"))?;
     let (mut all, mut seen) = (Sources::new(), Vec::new());
-    for mapping in creation.virtual_map() {
-        let (file, name) = (&mapping.src_filename, &mapping.src_dataset);
+    for (file, name) in &parts {
         if file.contains("%b") || name.contains("%b") {
             return Err(format!(
                 "is virtual, of files named by a pattern ({file}:{name}), which is not read: \
@@ -74,6 +77,36 @@ pub(super) fn sources(dataset: &Dataset, holder: &Path) -> Result<Sources, Strin
         seen.push(part);
     }
     Ok(all)
+}
+
+/// Returns the files and names of the datasets that a virtual dataset consists of. The crate reads
+/// them only together with their places, and knows no places of blocks.
+fn parts(creation: &DatasetCreate) -> ::hdf5::Result<Vec<(String, String)>> {
+    type Getter = unsafe extern "C" fn(hid_t, usize, *mut c_char, usize) -> isize;
+    let id = creation.id();
+    let fail = || ::hdf5::Error::query().unwrap_or_else(|e| e);
+    let text = |getter: Getter, at: usize| {
+        // SAFETY: the list is alive; without a buffer, only the length is returned.
+        let length = unsafe { getter(id, at, ptr::null_mut(), 0) };
+        let length = usize::try_from(length).map_err(|_| fail())?;
+        let mut text = vec![0_u8; length + 1];
+        // SAFETY: the buffer has room for the text and the zero behind it.
+        if unsafe { getter(id, at, text.as_mut_ptr().cast(), text.len()) } < 0 {
+            return Err(fail());
+        }
+        text.truncate(length);
+        Ok(String::from_utf8_lossy(&text).into_owned())
+    };
+    ::hdf5::sync::sync(|| {
+        let mut count = 0;
+        // SAFETY: the list and the number are alive.
+        if unsafe { H5Pget_virtual_count(id, &mut count) } < 0 {
+            return Err(fail());
+        }
+        let part =
+            |at| Ok((text(H5Pget_virtual_filename, at)?, text(H5Pget_virtual_dsetname, at)?));
+        (0..count).map(part).collect()
+    })
 }
 
 /// Checks that the library can unpack the entries.
