@@ -80,6 +80,21 @@ pub(in super::super) fn write(
     properties.write_faces(&mut sink)
 }
 
+/// Returns the values of an attribute of vertices, or the attribute if it belongs to corners.
+///
+/// Not inlined: the compiler would look for corners before it knows whether there is an attribute,
+/// which Valgrind reports.
+#[inline(never)]
+fn divided<const N: usize>(
+    attribute: Option<&Attribute<N>>,
+) -> (Option<&[[f64; N]]>, Option<&Attribute<N>>) {
+    let Some(attribute) = attribute else { return (None, None) };
+    match attribute.of_vertices() {
+        Some(values) => (Some(values), None),
+        None => (None, Some(attribute)),
+    }
+}
+
 /// The properties of vertices and faces, and the types of their numbers.
 struct Properties<'a> {
     mesh: &'a TriMesh,
@@ -97,7 +112,8 @@ struct Properties<'a> {
 
 impl<'a> Properties<'a> {
     fn of(file: &'a MeshFile) -> Self {
-        let normals = file.normals.as_ref().and_then(Attribute::of_vertices);
+        let (normals, _) = divided(file.normals.as_ref());
+        let (uv, corner_uv) = divided(file.uv.as_ref());
         let colors = file.colors.as_deref();
         let given = colors.unwrap_or_default();
         // Other programs read colours of other types as black, or not at all.
@@ -107,8 +123,8 @@ impl<'a> Properties<'a> {
             position_kind: kind_of(file.mesh.vertices().as_flattened().iter()),
             normals,
             normal_kind: kind_of(normals.unwrap_or_default().as_flattened().iter()),
-            uv: file.uv.as_ref().and_then(Attribute::of_vertices),
-            corner_uv: file.uv.as_ref().filter(|uv| uv.corners.is_some()),
+            uv,
+            corner_uv,
             uv_kind: uv_kind(file.uv.iter().flat_map(|uv| uv.values.as_flattened())),
             colors,
             channels: if given.iter().all(|color| color[3] == 1.0) { 3 } else { 4 },
