@@ -2,6 +2,8 @@
 
 pub mod int8;
 pub mod packed;
+#[cfg(test)]
+mod rate;
 
 /// Prefetches a cache line into the first-level cache, or into the second-level one if `FAR`; any
 /// address is allowed.

@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef};
 
-use super::execute::Product;
+use super::ata_into;
 use super::options::AtaOptions;
 use super::plan::{Op, Problem};
 use crate::base::{Error, Par, Progress, Result, Tracker};
@@ -30,7 +30,7 @@ const LONG: f64 = (1 << 26) as f64;
 /// A_i is m x n, C_i is n x n; any strides and sizes, which may differ between products. A slice of
 /// views is what an array of matrices at a fixed distance, or of blocks of one matrix, gives. The
 /// threads share the products, except long ones, which they compute together, one after the other.
-/// Each result has the bytes of [`ata_into`](super::ata_into), for every `options.par`.
+/// Each result has the bytes of [`ata_into`], for every `options.par`.
 ///
 /// ```
 /// use catamaran::{AtaOptions, Uplo, faer::{MatMut, MatRef}, product::ata_batched_into};
@@ -49,7 +49,7 @@ const LONG: f64 = (1 << 26) as f64;
 /// # Errors
 /// [`Error::Shape`] when C has not as many matrices as A, [`Error::Argument`] that names the first
 /// C_i that is not n x n, and [`Error::OutOfMemory`] for sizes beyond the address space, before a
-/// C_i is written. Else as [`ata_into`](super::ata_into), with some of the C_i unspecified.
+/// C_i is written. Else as [`ata_into`], with some of the C_i unspecified.
 pub fn ata_batched_into<T: BlasReal>(
     alpha: T,
     a: &[MatRef<'_, T>],
@@ -92,7 +92,7 @@ pub fn ata_batched_into<T: BlasReal>(
                 if tracker.state().is_break() || failed.get().is_some() {
                     return;
                 }
-                if let Err(error) = product(alpha, a, beta, c.rb_mut(), &alone) {
+                if let Err(error) = ata_into(alpha, a, beta, c.rb_mut(), &alone) {
                     let _ = failed.set(error);
                 }
                 spent += work(a);
@@ -110,7 +110,7 @@ pub fn ata_batched_into<T: BlasReal>(
         let before = done / total;
         done += work(a);
         let progress = options.progress.part(before..done / total);
-        product(alpha, a, beta, c.rb_mut(), &options.clone().progress(progress))?;
+        ata_into(alpha, a, beta, c.rb_mut(), &options.clone().progress(progress))?;
     }
     Ok(())
 }
@@ -119,15 +119,4 @@ pub fn ata_batched_into<T: BlasReal>(
 fn work<T>(a: MatRef<'_, T>) -> f64 {
     let (m, n) = (a.nrows() as f64, a.ncols() as f64);
     0.5 * (m + 1.0) * n * n + CALL
-}
-
-fn product<T: BlasReal>(
-    alpha: T,
-    a: MatRef<'_, T>,
-    beta: T,
-    c: MatMut<'_, T>,
-    options: &AtaOptions<'_>,
-) -> Result<()> {
-    let product = Product { alpha, a, b: None, beta, c, uplo: Some(options.uplo) };
-    super::compute(Op::Syrk, product, options)
 }

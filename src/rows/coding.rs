@@ -28,11 +28,6 @@ impl Coding {
         self.numbers.len() + self.factors.len()
     }
 
-    /// Returns the columns that are not coded, ascending.
-    pub fn numbers(&self) -> &[usize] {
-        &self.numbers
-    }
-
     /// Returns the number of columns of the matrix.
     pub(super) fn ncols(&self) -> usize {
         self.numbers.len() + self.factors.iter().map(Range::len).sum::<usize>()

@@ -295,7 +295,7 @@ impl RowBlocks<f64> for DesignRows<'_> {
 
     fn read_coded(&mut self, first: usize, out: MatMut<'_, f64>) -> Result<()> {
         let coding = self.design.coding();
-        self.read_as(first, out, coding.as_ref().map(|coding| coding.numbers().len()))
+        self.read_as(first, out, coding.as_ref().map(|coding| coding.numbers.len()))
     }
 }
 

@@ -193,7 +193,7 @@ impl<T: Real> RowBounds<T> {
     /// Returns the bounds of all columns, from those of coded rows.
     fn decoded(&self, coding: &Coding) -> Result<Self> {
         let mut sources = vec![None; coding.ncols()];
-        coding.numbers().iter().enumerate().for_each(|(own, &j)| sources[j] = Some(own));
+        coding.numbers.iter().enumerate().for_each(|(own, &j)| sources[j] = Some(own));
         self.arranged(sources.into_iter())
     }
 

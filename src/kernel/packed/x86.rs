@@ -9,7 +9,8 @@ use crate::base::IsaLevel;
 /// Implements `Vectors` for one register type.
 macro_rules! vectors {
     (
-        $name:ident, $t:ident, $v:ident, $lanes:expr, rows: $rows:expr, mask_registers: $mask_registers:expr,
+        $name:ident, $t:ident, $v:ident, $lanes:expr, rows: $rows:expr,
+        mask_registers: $mask_registers:expr,
         $splat:ident, $load:ident, $store:ident, $stream:ident,
         $m:ident, $mask:ident, $load_masked:ident, $store_masked:ident,
         $fma:ident, $($pairwise:ident: $function:ident),*

@@ -6,10 +6,10 @@
 //! ```
 
 use std::hint::black_box;
-use std::time::{Duration, Instant};
 
 use super::super::*;
 use crate::base::{Rng, Workspace};
+use crate::kernel::rate::fastest;
 
 /// Where an operand comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,19 +65,6 @@ fn rates_of_the_kernels() {
             println!("{step:<13} {:6.3} ns an entry (f64, in caches)", 1e9 / rate);
         }
     }
-}
-
-/// Returns the highest rate of the runs of `work` in a tenth of a second; `work` returns how much
-/// it did.
-fn fastest(mut work: impl FnMut() -> usize) -> f64 {
-    const LENGTH: Duration = Duration::from_millis(100);
-    let (begin, mut best) = (Instant::now(), 0.0_f64);
-    while begin.elapsed() < LENGTH {
-        let start = Instant::now();
-        let done = work();
-        best = best.max(done as f64 / start.elapsed().as_secs_f64());
-    }
-    best
 }
 
 /// Returns the multiplications per second on registers alone; `None` for AVX2 and the portable

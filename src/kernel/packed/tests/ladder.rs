@@ -5,14 +5,13 @@
 //! cargo test --release -p catamaran --lib packed::tests::ladder -- --ignored --nocapture
 //! ```
 
-use std::time::{Duration, Instant};
-
 use super::super::geometry::Geometry;
 use super::super::tile::{Row, Side};
 use super::super::write::LARGEST_TILE;
 use super::isas;
 use crate::base::{Rng, Workspace};
 use crate::kernel::packed::{FloatIsa, FloatOperand};
+use crate::kernel::rate::fastest;
 
 /// Bytes of the operands of tiles that follow each other: one, or as many as a level holds.
 const LEVELS: [(&str, usize); 3] = [("first", 0), ("second", 384 << 10), ("third", 8 << 20)];
@@ -51,18 +50,6 @@ fn rates<T: FloatOperand>(isa: FloatIsa) {
     }
 }
 
-/// Returns the highest rate of the runs of `work`, which does `amount`, in a tenth of a second.
-fn fastest(amount: usize, mut work: impl FnMut()) -> f64 {
-    const LENGTH: Duration = Duration::from_millis(100);
-    let (begin, mut best) = (Instant::now(), 0.0_f64);
-    while begin.elapsed() < LENGTH {
-        let start = Instant::now();
-        work();
-        best = best.max(amount as f64 / start.elapsed().as_secs_f64());
-    }
-    best
-}
-
 /// Returns the multiplications of vectors per second on registers alone; `None` for the portable
 /// kernel. The isa is one of this machine.
 fn registers(isa: FloatIsa) -> Option<f64> {
@@ -75,7 +62,7 @@ fn registers(isa: FloatIsa) -> Option<f64> {
     macro_rules! products {
         ($register:literal) => {
             // SAFETY: the CPU has the instructions, and only registers are touched.
-            fastest(SUMS * ROUNDS, || unsafe {
+            fastest(|| unsafe {
                 std::arch::asm!(
                     "2:",
                     concat!("vfmadd231pd ", $register, "0, ", $register, "12, ", $register, "13"),
@@ -98,6 +85,7 @@ fn registers(isa: FloatIsa) -> Option<f64> {
                     out("ymm8") _, out("ymm9") _, out("ymm10") _, out("ymm11") _,
                     options(nostack, nomem),
                 );
+                SUMS * ROUNDS
             })
         };
     }
@@ -130,7 +118,7 @@ fn rate<T: FloatOperand>(isa: FloatIsa, bytes: [usize; 2], steps: usize) -> f64 
     let left = |i: usize| side(0).at_column(i % strips * rows, width);
     let mut sums = [T::ZERO; LARGEST_TILE];
     let mut next = 0;
-    fastest(RUN * steps * rows * width, || {
+    fastest(|| {
         for _ in 0..RUN {
             let row = Row {
                 steps,
@@ -151,5 +139,6 @@ fn rate<T: FloatOperand>(isa: FloatIsa, bytes: [usize; 2], steps: usize) -> f64 
             unsafe { kernel.multiply_row(&row) };
             next += 1;
         }
+        RUN * steps * rows * width
     })
 }
