@@ -1,10 +1,8 @@
 //! Detects the packing and the format of a file from its content.
 
 use super::format::MeshFormat;
-use super::gltf::GltfEncoding;
+use super::formats::FORMATS;
 use super::off;
-use super::ply::PlyEncoding;
-use super::stl::StlEncoding;
 use super::text::{number, words};
 use catamaran::io::Packing;
 
@@ -31,63 +29,88 @@ pub(super) fn packing(head: &[u8], named: Packing) -> Packing {
     }
 }
 
-/// Returns the format of a file that begins with `head`, and has `size` bytes if that is known;
-/// `None` if it fits no format or several.
-pub(super) fn format(head: &[u8], size: Option<u64>) -> Option<MeshFormat> {
-    let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
-    let head = &head[..head.len().min(LOOK)];
-    // The header of binary STL is arbitrary text, so the size decides, not the header.
-    if is_binary_stl(head, size) {
-        return Some(MeshFormat::Stl(StlEncoding::Binary));
+/// The beginning of a file.
+pub(super) struct Head<'a> {
+    /// Up to [`LOOK`] bytes, without a byte order mark.
+    pub bytes: &'a [u8],
+    /// The bytes of the whole file, if they are known.
+    pub size: Option<u64>,
+}
+
+impl<'a> Head<'a> {
+    pub fn new(bytes: &'a [u8], size: Option<u64>) -> Self {
+        let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+        Self { bytes: &bytes[..bytes.len().min(LOOK)], size }
     }
-    if head.starts_with(b"glTF") {
-        return Some(MeshFormat::Gltf(GltfEncoding::Binary));
+
+    /// Returns the words of each line, without comments after a #. Lines without words, and a last
+    /// line that may be incomplete, are left out.
+    fn lines(&self) -> impl Iterator<Item = Vec<&'a [u8]>> {
+        let text = self.bytes;
+        let is_end = |byte: &u8| matches!(byte, b'\n' | b'\r');
+        let end = match text.len() {
+            LOOK.. => text.iter().rposition(is_end).unwrap_or_default(),
+            length => length,
+        };
+        let lines = text[..end].split(is_end).map(|line: &'a [u8]| {
+            let bare = line.split(|&byte| byte == b'#').next().unwrap_or_default();
+            words(bare).collect::<Vec<_>>()
+        });
+        lines.filter(|line| !line.is_empty())
     }
-    if head.starts_with(b"ply\n") || head.starts_with(b"ply\r") {
-        return Some(MeshFormat::Ply(PlyEncoding::Ascii));
-    }
-    let text = head.trim_ascii_start();
-    if text.starts_with(b"{") {
-        return Some(MeshFormat::Gltf(GltfEncoding::Text));
-    }
-    let mut lines = text.split(|&byte| byte == b'\n');
-    if text.starts_with(b"solid") {
-        let facet = |line: &[u8]| matches!(words(line).next(), Some(b"facet" | b"endsolid"));
-        return lines.any(facet).then_some(MeshFormat::Stl(StlEncoding::Ascii));
-    }
-    // The last line may be incomplete.
-    let complete = text.len() - lines.next_back().map_or(0, <[u8]>::len);
-    let lines = text[..complete].split(|&byte| byte == b'\n');
-    let mut content = lines.filter_map(|line| {
-        let mut words = words(line.split(|&byte| byte == b'#').next()?);
-        Some((words.next()?, words.next()))
-    });
-    let (first, second) = content.next()?;
-    if off::kind_of(first).is_some() {
-        return Some(MeshFormat::Off);
-    }
-    let is_obj = |(keyword, operand): (&[u8], Option<&[u8]>)| match keyword {
-        b"v" | b"vt" | b"vn" => operand.is_some_and(|word| number(word).is_ok()),
-        b"f" | b"g" | b"o" | b"s" | b"l" | b"p" | b"mtllib" | b"usemtl" => true,
-        _ => false,
-    };
+}
+
+/// Returns the format of a file that begins with `bytes`, and has `size` bytes if that is known;
+/// `None` if it fits no format.
+pub(super) fn format(bytes: &[u8], size: Option<u64>) -> Option<MeshFormat> {
+    let head = Head::new(bytes, size);
+    let found = FORMATS.iter().rev().find(|format| (format.fits)(&head))?;
+    found.endings.first().map(|(_, format)| *format)
+}
+
+pub(super) fn is_gltf(head: &Head<'_>) -> bool {
+    let is_json = || head.bytes.trim_ascii_start().starts_with(b"{") && !head.bytes.contains(&0);
+    head.bytes.starts_with(b"glTF") || is_json()
+}
+
+pub(super) fn is_ply(head: &Head<'_>) -> bool {
+    head.bytes.starts_with(b"ply") && head.bytes.get(3).is_some_and(u8::is_ascii_whitespace)
+}
+
+pub(super) fn is_off(head: &Head<'_>) -> bool {
+    head.lines().next().is_some_and(|line| off::kind_of(line[0]).is_some())
+}
+
+/// Text has a line that begins a facet. The header of a binary file is arbitrary text, so its size
+/// decides: a header of 80 bytes, a count and that many facets of 50 bytes.
+pub(super) fn is_stl(head: &Head<'_>) -> bool {
+    let count = head.bytes.get(80..84).and_then(|bytes| bytes.first_chunk::<4>());
+    let expected = count.map(|&bytes| 84 + 50 * u64::from(u32::from_le_bytes(bytes)));
+    let mut lines = head.lines().skip_while(|line| !begins(line, b"solid"));
+    (expected.is_some() && expected == head.size)
+        || lines.any(|line| begins(&line, b"facet") || begins(&line, b"endsolid"))
+}
+
+/// Returns whether the first word of a line is this one, in upper or lower case.
+fn begins(line: &[&[u8]], word: &[u8]) -> bool {
+    line[0].eq_ignore_ascii_case(word)
+}
+
+pub(super) fn is_obj(head: &Head<'_>) -> bool {
     let (mut known, mut unknown) = (0, 0);
     let mut vertices = false;
-    for line in std::iter::once((first, second)).chain(content) {
-        if is_obj(line) {
+    for line in head.lines() {
+        let is_statement = match line[0] {
+            b"v" | b"vt" | b"vn" => line.get(1).is_some_and(|word| number(word).is_ok()),
+            b"f" | b"g" | b"o" | b"s" | b"l" | b"p" | b"mtllib" | b"usemtl" => true,
+            _ => false,
+        };
+        if is_statement {
             known += 1
         } else {
             unknown += 1
         }
-        vertices |= line.0 == b"v";
+        vertices |= line[0] == b"v";
     }
-    (vertices && known >= LEAST_KNOWN * unknown).then_some(MeshFormat::Obj)
-}
-
-/// Returns whether the size is that of a header of 80 bytes, a count and that many facets of 50
-/// bytes.
-fn is_binary_stl(head: &[u8], size: Option<u64>) -> bool {
-    let count = head.get(80..84).and_then(|bytes| bytes.first_chunk::<4>());
-    let expected = count.map(|&bytes| 84 + 50 * u64::from(u32::from_le_bytes(bytes)));
-    expected.is_some() && expected == size
+    vertices && known >= LEAST_KNOWN * unknown
 }

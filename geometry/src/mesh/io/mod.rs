@@ -14,6 +14,7 @@ mod colors;
 mod detect;
 mod draft;
 mod format;
+mod formats;
 mod gltf;
 mod labels;
 mod notes;
@@ -27,7 +28,7 @@ mod stl;
 mod text;
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub use attributes::{Attribute, MeshFile};
 pub use format::MeshFormat;
@@ -123,7 +124,8 @@ pub fn read_with(path: &Path, options: &SourceOptions<'_>) -> Result<MeshFile> {
             found
         }
         (None, None) => {
-            let what = "unknown kind of mesh: name and content are not OBJ, PLY, OFF, STL or glTF";
+            let known = formats::titles();
+            let what = format!("unknown kind of mesh: name and content are not {known}");
             return Err(Error::file(path, what));
         }
     };
@@ -153,29 +155,19 @@ fn packed(packing: Packing) -> &'static str {
 /// # Errors
 /// As those of [`read()`]; the path is that of the format's usual name.
 pub fn read_bytes(bytes: &[u8], format: MeshFormat) -> Result<MeshFile> {
-    let path = usual_name(format);
+    let path = &usual_name(format);
     read_source(&mut Source::of_bytes(path, bytes), format, path)
 }
 
 /// Returns the name of a file of this format that errors about bytes in memory have.
-fn usual_name(format: MeshFormat) -> &'static Path {
-    Path::new(match format {
-        MeshFormat::Obj => "mesh.obj",
-        MeshFormat::Ply(_) => "mesh.ply",
-        MeshFormat::Off => "mesh.off",
-        MeshFormat::Stl(_) => "mesh.stl",
-        MeshFormat::Gltf(_) => "mesh.gltf",
-    })
+fn usual_name(format: MeshFormat) -> PathBuf {
+    let endings = format.description().endings;
+    let own = endings.iter().find(|(_, known)| *known == format).or(endings.first());
+    format!("mesh.{}", own.map_or("", |(ending, _)| *ending)).into()
 }
 
 fn read_source(source: &mut Source<'_>, format: MeshFormat, path: &Path) -> Result<MeshFile> {
-    let read = match format {
-        MeshFormat::Obj => obj::read(source),
-        MeshFormat::Ply(_) => ply::read(source),
-        MeshFormat::Off => off::read(source),
-        MeshFormat::Stl(_) => stl::read(source),
-        MeshFormat::Gltf(_) => gltf::read(source),
-    };
+    let read = (format.description().read)(source);
     read.map_err(|error| match error {
         Error::Mesh { what, element } => {
             Error::Mesh { what, element: format!("{}: {element}", path.display()) }
@@ -248,7 +240,7 @@ pub fn write_as(output: Output, file: &MeshFile, format: MeshFormat) -> Result<V
 /// # Errors
 /// As those of [`write()`]; the path is that of the format's usual name.
 pub fn write_bytes(file: &MeshFile, format: MeshFormat) -> Result<(Vec<u8>, Vec<String>)> {
-    let path = usual_name(format);
+    let path = &usual_name(format);
     let rounding = rounding_of(path, file, format)?;
     let mut bytes = Vec::new();
     encode(&mut bytes, file, format, &rounding).map_err(|e| Error::io(path, e))?;
