@@ -112,17 +112,18 @@ impl<'a> Cursor<'a> {
         Ok(values)
     }
 
+    /// Returns the number of the line of the part that was taken last, from 1.
+    pub fn line_number(&self) -> usize {
+        1 + self.all[..self.last].iter().filter(|&&byte| byte == b'\n').count()
+    }
+
     /// Returns the error of a fault in the part that was taken last: its line, or its byte.
     pub fn fail(&self, fault: Fault, source: &Source<'_>) -> Error {
-        let before = &self.all[..self.last];
         match fault {
             Fault::What(what) if self.is_binary => {
                 source.fail_at(None, format!("at byte {}: {what}", self.last))
             }
-            Fault::What(what) => {
-                let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
-                source.fail_at(line, what)
-            }
+            Fault::What(what) => source.fail_at(self.line_number(), what),
             Fault::Error(error) => error,
         }
     }

@@ -6,7 +6,8 @@ use super::format::MeshFormat;
 use super::gltf::GltfEncoding;
 use super::ply::PlyEncoding;
 use super::stl::StlEncoding;
-use super::{gltf, obj, off, ply, stl};
+use super::vtk::{self, VtkEncoding};
+use super::{freesurfer, gifti, gltf, gmsh, obj, off, ply, stl, threemf};
 use catamaran::base::Result;
 use catamaran::io::Source;
 
@@ -24,6 +25,7 @@ pub(super) enum Stored {
     Materials,
     MaterialFiles,
     Groups,
+    Scalars,
 }
 
 /// A format of mesh files.
@@ -45,7 +47,7 @@ pub(super) struct Description {
 
 /// The formats. A file has the last one that it fits: those whose content may be taken for another
 /// format come first.
-pub(super) static FORMATS: [Description; 5] = [
+pub(super) static FORMATS: [Description; 11] = [
     Description {
         title: "OBJ",
         endings: &[("obj", MeshFormat::Obj)],
@@ -118,6 +120,73 @@ pub(super) static FORMATS: [Description; 5] = [
             Stored::Materials,
         ],
     },
+    Description {
+        title: "VTK",
+        endings: &[("vtk", MeshFormat::Vtk(VtkEncoding::Binary))],
+        fits: detect::is_vtk,
+        read: vtk::read_legacy,
+        is_written: true,
+        text: Some(MeshFormat::Vtk(VtkEncoding::Ascii)),
+        stores: &[
+            Stored::LoneVertices,
+            Stored::Uv,
+            Stored::Normals,
+            Stored::NormalsBesideColors,
+            Stored::Colors,
+            Stored::Scalars,
+        ],
+    },
+    Description {
+        title: "VTK XML",
+        endings: &[("vtp", MeshFormat::VtkXml), ("vtu", MeshFormat::VtkXml)],
+        fits: detect::is_vtk_xml,
+        read: vtk::read_xml,
+        is_written: false,
+        text: None,
+        stores: &[],
+    },
+    Description {
+        title: "GIFTI",
+        endings: &[("gii", MeshFormat::Gifti)],
+        fits: detect::is_gifti,
+        read: gifti::read,
+        is_written: true,
+        text: None,
+        stores: &[Stored::LoneVertices, Stored::Normals, Stored::Scalars],
+    },
+    Description {
+        title: "FreeSurfer",
+        endings: &[
+            ("white", MeshFormat::FreeSurfer),
+            ("pial", MeshFormat::FreeSurfer),
+            ("inflated", MeshFormat::FreeSurfer),
+            ("sphere", MeshFormat::FreeSurfer),
+            ("orig", MeshFormat::FreeSurfer),
+        ],
+        fits: detect::is_freesurfer,
+        read: freesurfer::read,
+        is_written: false,
+        text: None,
+        stores: &[],
+    },
+    Description {
+        title: "Gmsh",
+        endings: &[("msh", MeshFormat::Gmsh)],
+        fits: detect::is_gmsh,
+        read: gmsh::read,
+        is_written: false,
+        text: None,
+        stores: &[],
+    },
+    Description {
+        title: "3MF",
+        endings: &[("3mf", MeshFormat::ThreeMf)],
+        fits: detect::is_threemf,
+        read: threemf::read,
+        is_written: true,
+        text: Some(MeshFormat::ThreeMf),
+        stores: &[Stored::LoneVertices],
+    },
 ];
 
 /// Returns the names of all formats, such as "OBJ, PLY or glTF".
@@ -153,7 +222,9 @@ mod tests {
             assert!(all[..i].iter().all(|(other, _)| other != ending), "{ending}");
             assert!(format.description().endings.contains(&(*ending, *format)), "{ending}");
         }
-        assert_eq!(titles(), "OBJ, PLY, OFF, STL or glTF");
-        assert_eq!(endings(true), ".obj, .ply, .off, .stl, .glb or .gltf");
+        let known = "OBJ, PLY, OFF, STL, glTF, VTK, VTK XML, GIFTI, FreeSurfer, Gmsh or 3MF";
+        assert_eq!(titles(), known);
+        let written = ".obj, .ply, .off, .stl, .glb, .gltf, .vtk, .gii or .3mf";
+        assert_eq!(endings(true), written);
     }
 }

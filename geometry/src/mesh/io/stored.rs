@@ -4,8 +4,7 @@ use std::io::Read;
 
 use base64::Engine;
 use base64::alphabet::STANDARD;
-use base64::engine::DecodePaddingMode;
-use base64::engine::general_purpose::{GeneralPurpose, GeneralPurposeConfig};
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use flate2::read::{GzDecoder, ZlibDecoder};
 
 use super::draft::{Checked, Fault, roomy};
@@ -99,7 +98,7 @@ pub(super) fn vertex(number: f64, base: usize) -> Checked<u32> {
 
 /// Returns the bytes of a text in base64, which may have blanks in it, and in which streams with
 /// their paddings may follow each other.
-pub(super) fn base64(text: &[u8]) -> Checked<Vec<u8>> {
+pub(super) fn from_base64(text: &[u8]) -> Checked<Vec<u8>> {
     let config =
         GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent);
     let engine = GeneralPurpose::new(&STANDARD, config);

@@ -5,11 +5,8 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Component, Path};
 
-use base64::Engine;
-use base64::alphabet::STANDARD;
-use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
-
 use super::super::draft::{Checked, Fault};
+use super::super::stored::from_base64;
 use super::document::{Buffer, Document};
 use super::extensions::{check_required, is_unsupported, unsupported};
 use catamaran::io::Source;
@@ -114,10 +111,7 @@ fn load(buffer: &Buffer, binary: Option<&[u8]>, path: &Path) -> Checked<Vec<u8>>
 /// Returns the bytes of a data URI; `data` is what follows `data:`.
 fn embedded(data: &str) -> Checked<Vec<u8>> {
     let (_, text) = data.split_once(";base64,").ok_or("a data URI that is not in base64")?;
-    let padding = DecodePaddingMode::Indifferent;
-    let config = GeneralPurposeConfig::new().with_decode_padding_mode(padding);
-    let decoded = GeneralPurpose::new(&STANDARD, config).decode(text.trim_end());
-    decoded.map_err(|e| format!("broken base64: {e}").into())
+    from_base64(text.as_bytes())
 }
 
 /// Returns up to `length` bytes of the file that a URI names.

@@ -2,10 +2,10 @@
 
 use super::super::attributes::MeshFile;
 use super::super::cursor::Cursor;
+use super::super::dataset::{Array, Dataset, Role, cell};
 use super::super::draft::Checked;
 use super::super::stored::{Kind, whole};
 use super::super::text::{count, quoted, words};
-use super::{Array, Dataset, Role, cell};
 use catamaran::base::{Result, push};
 use catamaran::io::Source;
 
@@ -82,7 +82,7 @@ impl Reader<'_> {
                     let kind = match keyword.as_slice() {
                         b"POLYGONS" => cell::POLYGON,
                         b"TRIANGLE_STRIPS" => cell::STRIP,
-                        _ => 0,
+                        _ => cell::OTHER,
                     };
                     let (corners, ends) = self.lists(line)?;
                     self.dataset.cells(&corners, &ends, 0, |_| Ok(kind))?;
@@ -144,7 +144,7 @@ impl Reader<'_> {
         let bytes = self.cursor.bytes(count.div_ceil(8), what)?;
         let mut values = Vec::new();
         for i in 0..count {
-            push(&mut values, f64::from(bytes[i / 8] >> (7 - i % 8) & 1))?;
+            push(&mut values, f64::from((bytes[i / 8] >> (7 - i % 8)) & 1))?;
         }
         Ok(values)
     }
@@ -254,6 +254,8 @@ impl Reader<'_> {
             if of_points {
                 let role = role.filter(|_| is_wide && is_color);
                 self.keep(name, role, width, values, stored);
+            } else {
+                self.dataset.draft.notes.add("left out values of cells", || decoded(name));
             }
         }
     }
@@ -272,10 +274,9 @@ impl Reader<'_> {
         values: Vec<f64>,
         kind: Kind,
     ) {
-        let name = decoded(name);
-        let role = role.unwrap_or_else(|| Role::of(&name, width));
-        let full = if role == Role::Colors && kind == Kind::U8 { 255.0 } else { 1.0 };
-        self.dataset.arrays.push(Array { name, role, width, values, full });
+        let array = Array::named(decoded(name), width, values, kind);
+        let role = role.unwrap_or(array.role);
+        self.dataset.arrays.push(Array { role, ..array });
     }
 
     /// Skips the line of a table of colours after SCALARS, if it is there.
