@@ -12,21 +12,27 @@ pub(super) enum Type {
     U16,
     I32,
     U32,
+    I64,
+    U64,
+    F16,
     F32,
     F64,
 }
 
 impl Type {
-    /// Parses the name of a type.
+    /// Parses the name of a type, also of those that programs take over from NumPy.
     pub fn parse(word: &[u8]) -> Checked<Self> {
         Ok(match word {
             b"char" | b"int8" => Self::I8,
-            b"uchar" | b"uint8" => Self::U8,
+            b"uchar" | b"uint8" | b"bool" => Self::U8,
             b"short" | b"int16" => Self::I16,
             b"ushort" | b"uint16" => Self::U16,
             b"int" | b"int32" => Self::I32,
             b"uint" | b"uint32" => Self::U32,
-            b"float" | b"float32" => Self::F32,
+            b"int64" | b"longlong" => Self::I64,
+            b"uint64" | b"ulonglong" => Self::U64,
+            b"float16" | b"half" => Self::F16,
+            b"float" | b"float32" | b"single" => Self::F32,
             b"double" | b"float64" => Self::F64,
             _ => return Err(format!("unknown type {}", quoted(word)).into()),
         })
@@ -36,9 +42,9 @@ impl Type {
     pub fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
+            Self::I16 | Self::U16 | Self::F16 => 2,
             Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::F64 => 8,
+            Self::I64 | Self::U64 | Self::F64 => 8,
         }
     }
 
@@ -51,7 +57,9 @@ impl Type {
             Self::U16 => f64::from(u16::MAX),
             Self::I32 => f64::from(i32::MAX),
             Self::U32 => f64::from(u32::MAX),
-            Self::F32 | Self::F64 => 1.0,
+            Self::I64 => i64::MAX as f64,
+            Self::U64 => u64::MAX as f64,
+            Self::F16 | Self::F32 | Self::F64 => 1.0,
         }
     }
 }

@@ -25,6 +25,8 @@ pub(super) struct Rows<'s, 'a> {
     done: usize,
     row: Row,
     bytes: Vec<u8>,
+    /// The number of lines of text with more numbers than the header declares, and the first.
+    pub longer: (usize, usize),
 }
 
 impl<'s, 'a> Rows<'s, 'a> {
@@ -42,7 +44,8 @@ impl<'s, 'a> Rows<'s, 'a> {
         }
         let row = Row { index: 0, scalars: vec![0.0; scalars], lists: vec![Vec::new(); lists] };
         let fixed = (lists == 0).then_some(bytes);
-        Self { source, encoding, element, fixed, done: 0, row, bytes: Vec::new() }
+        let (bytes, longer) = (Vec::new(), (0, 0));
+        Self { source, encoding, element, fixed, done: 0, row, bytes, longer }
     }
 
     /// Reads the next row; `None` after the last one.
@@ -71,8 +74,9 @@ impl<'s, 'a> Rows<'s, 'a> {
     }
 
     fn text_row(&mut self) -> Checked<()> {
-        let Self { source, element, done, row, .. } = self;
+        let Self { source, element, done, row, longer, .. } = self;
         loop {
+            let number = source.line() + 1;
             let Some(line) = source.next_bytes()? else {
                 let (name, count) = (&element.name, element.count);
                 return Err(format!("truncated: {done} of {count} rows of element {name}").into());
@@ -95,10 +99,10 @@ impl<'s, 'a> Rows<'s, 'a> {
                     }
                 }
             }
-            return match words.next() {
-                None => Ok(()),
-                Some(word) => Err(format!("{} after the last number", text::quoted(word)).into()),
-            };
+            if words.next().is_some() {
+                *longer = (longer.0 + 1, if longer.0 == 0 { number } else { longer.1 });
+            }
+            return Ok(());
         }
     }
 
@@ -146,7 +150,7 @@ impl<'s, 'a> Rows<'s, 'a> {
 
 /// Returns the length of a list, which may be stored in any type.
 fn list_length(count: f64) -> Checked<usize> {
-    // Integer types have at most 32 bits.
+    // A file has no longer list.
     if count >= 0.0 && count <= f64::from(u32::MAX) && count.fract() == 0.0 {
         Ok(count as usize)
     } else {
@@ -187,7 +191,22 @@ fn number(kind: Type, bits: u64) -> f64 {
         Type::U16 => f64::from(bits as u16),
         Type::I32 => f64::from(bits as i32),
         Type::U32 => f64::from(bits as u32),
+        Type::I64 => bits as i64 as f64,
+        Type::U64 => bits as f64,
+        Type::F16 => half(bits as u16),
         Type::F32 => f64::from(f32::from_bits(bits as u32)),
         Type::F64 => f64::from_bits(bits),
     }
+}
+
+/// Returns the number of half precision (IEEE 754, binary16) with these bits.
+fn half(bits: u16) -> f64 {
+    let fraction = f64::from(bits & 0x3ff) / 1024.0;
+    let magnitude = match i32::from((bits >> 10) & 0x1f) {
+        0 => fraction * 2f64.powi(-14),
+        31 if fraction == 0.0 => f64::INFINITY,
+        31 => f64::NAN,
+        exponent => (1.0 + fraction) * 2f64.powi(exponent - 15),
+    };
+    if bits >> 15 == 1 { -magnitude } else { magnitude }
 }
