@@ -1,6 +1,6 @@
 //! Wavefront OBJ (Wavefront Technologies, Advanced Visualizer manual, appendix B1). Only polygons
-//! are read. Colours follow the positions, as MeshLab and Blender write them, or are in comments that
-//! begin with #MRGB, as ZBrush writes them.
+//! are read. Colours follow the positions, as MeshLab and Blender write them, or are in comments
+//! that begin with #MRGB, as ZBrush writes them.
 
 use std::io::{self, Write};
 

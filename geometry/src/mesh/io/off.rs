@@ -86,8 +86,8 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
     }
 }
 
-/// Returns what the first word of a file says of the vertices, if the file is OFF, and the number of
-/// digits after OFF: some programs write the number of vertices without a blank before it.
+/// Returns what the first word of a file says of the vertices, if the file is OFF, and the number
+/// of digits after OFF: some programs write the number of vertices without a blank before it.
 pub(super) fn kind_of(word: &[u8]) -> Option<(Kind, usize)> {
     let end = word.windows(3).position(|part| part == b"OFF")?;
     let (mut prefix, digits) = (&word[..end], &word[end + 3..]);
