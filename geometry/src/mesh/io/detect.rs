@@ -2,7 +2,7 @@
 
 use super::format::MeshFormat;
 use super::formats::FORMATS;
-use super::text::{number, words};
+use super::text::{number, of_utf16, words};
 use super::{freesurfer, off};
 use catamaran::io::Packing;
 
@@ -63,7 +63,8 @@ impl<'a> Head<'a> {
 /// Returns the format of a file that begins with `bytes`, and has `size` bytes if that is known;
 /// `None` if it fits no format.
 pub(super) fn format(bytes: &[u8], size: Option<u64>) -> Option<MeshFormat> {
-    let head = Head::new(bytes, size);
+    let decoded = of_utf16(bytes);
+    let head = Head::new(decoded.as_deref().unwrap_or(bytes), size);
     let found = FORMATS.iter().rev().find(|format| (format.fits)(&head))?;
     found.endings.first().map(|(_, format)| *format)
 }
@@ -147,4 +148,38 @@ pub(super) fn is_obj(head: &Head<'_>) -> bool {
         vertices |= line[0] == b"v";
     }
     vertices && known >= LEAST_KNOWN * unknown
+}
+
+/// Beginnings of files that hold no mesh, or one of a format that is not read: in lower case, what
+/// they seem to be, and what helps. Those that begin with < may follow a declaration of XML.
+const OTHERS: [(&[u8], &str); 17] = [
+    (b"<!doctype html", "a web page: download the file itself"),
+    (b"<html", "a web page: download the file itself"),
+    (b"version https://git-lfs", "a pointer of Git LFS: `git lfs pull` fetches the file itself"),
+    (b"kaydara fbx binary", "FBX: export OBJ, PLY or glTF, for example from Blender"),
+    (b"; fbx", "FBX: export OBJ, PLY or glTF, for example from Blender"),
+    (b"blender", "a scene of Blender: export OBJ, PLY or glTF from Blender"),
+    (b"<collada", "COLLADA: export OBJ, PLY or glTF, for example from Blender"),
+    (b"<x3d", "X3D: export OBJ, PLY or glTF, for example from MeshLab"),
+    (b"#vrml", "VRML: export OBJ, PLY or glTF, for example from MeshLab"),
+    (b"iso-10303-21", "STEP: export STL or glTF from the CAD program"),
+    (b"#usda", "USD: export OBJ, PLY or glTF, for example from Blender"),
+    (b"pxr-usdc", "USD: export OBJ, PLY or glTF, for example from Blender"),
+    (b"\x89hdf", "HDF5, which may hold a table but no mesh in a known way"),
+    (b"\x93numpy", "an array of NumPy: a table, not a mesh"),
+    (b"\x89png", "a picture"),
+    (b"\xff\xd8\xff", "a picture"),
+    (b"%pdf", "a PDF document"),
+];
+
+/// Returns what a file that fits no format seems to be, and what helps, where that is known.
+pub(super) fn other(bytes: &[u8]) -> Option<&'static str> {
+    let head = Head::new(bytes, None).bytes.trim_ascii_start();
+    let head = head[..head.len().min(1 << 10)].to_ascii_lowercase();
+    let is_xml = head.starts_with(b"<?xml") || head.starts_with(b"<!--");
+    let begins = |start: &[u8]| {
+        let within = || head.windows(start.len()).any(|window| window == start);
+        head.starts_with(start) || (is_xml && start.starts_with(b"<") && within())
+    };
+    OTHERS.iter().find(|(start, _)| begins(start)).map(|(_, what)| *what)
 }

@@ -5,10 +5,10 @@
 //! read, an error names the file and the line or the element, and a file that needs more memory
 //! than the limit is refused ([`SourceOptions::max_memory`]). The reader notes what it leaves out
 //! or replaces ([`MeshFile::notes`]). A writer keeps every bit of the coordinates, except in binary
-//! STL, GIFTI and glTF, which have single precision: there it returns a note with the largest distance by
-//! which a vertex moves, and an error if a face would vanish. In glTF, coordinates count from the
-//! middle of the mesh where that is more accurate, and a node moves them back. The file appears
-//! when it is complete, or not at all ([`Output`]).
+//! STL, GIFTI and glTF, which have single precision: there it returns a note with the largest
+//! distance by which a vertex moves, and an error if a face would vanish. In glTF, coordinates
+//! count from the middle of the mesh where that is more accurate, and a node moves them back. The
+//! file appears when it is complete, or not at all ([`Output`]).
 
 mod attributes;
 mod colors;
@@ -37,7 +37,7 @@ mod threemf;
 mod vtk;
 mod xml;
 
-use std::io::Write;
+use std::io::{BufRead, Write};
 use std::path::{Path, PathBuf};
 
 pub use attributes::{Attribute, MeshFile, Scalars};
@@ -60,14 +60,18 @@ use catamaran::io::{Output, Packing, Source, SourceOptions};
 /// - A polygon becomes a fan of triangles around its first corner where the fan covers it, as for a
 ///   convex polygon, and is cut into ears otherwise. Triangles that have a vertex twice are left
 ///   out ([`MeshFile::collapsed_faces`]).
-/// - Numbers of colours, normals and texture coordinates that are not finite become 0; a position
-///   that is not finite is an error.
-/// - `.obj`: `v` (with colours after the position), `vt`, `vn`, `f` with negative numbers too,
-///   names of materials, groups and objects; other statements are skipped.
+/// - Numbers of colours, normals and texture coordinates that are not finite become 0. A vertex
+///   whose position is not finite is left out (OBJ, PLY, OFF) unless a face has it: then it is an
+///   error.
+/// - Text may be in UTF-8, Latin-1 or UTF-16, with any line ends. An empty file is an error.
+/// - `.obj`: `v` (with colours after the position, or those of `#MRGB`), `vt`, `vn`, `f` with
+///   negative numbers too, names of materials, groups and objects; other statements, and texture
+///   coordinates and normals that the file lacks, are skipped.
 /// - `.ply`: ASCII and both binary encodings, properties of any type in any order; faces and
-///   triangle strips. Elements of other names are skipped.
-/// - `.off`: with the prefixes ST, C and N; comments; lines may end anywhere.
-/// - `.stl`: binary and text. Vertices with equal coordinates become one.
+///   triangle strips. Elements of other names, and what the header does not announce, are skipped.
+/// - `.off`: with the prefixes ST, C, N, 4 and n; comments; lines may end anywhere.
+/// - `.stl`: binary and text. Vertices with equal coordinates become one. Where the header of a
+///   binary file has no number of facets, its size decides.
 /// - `.glb`, `.gltf`: the triangles of the scene, at the places of its nodes and their instances,
 ///   with the morph targets that have a weight; skinned meshes as they are modelled. Vertices of a
 ///   mesh with equal positions and colours become one. An extension that a file requires is
@@ -124,7 +128,17 @@ pub fn read_with(path: &Path, options: &SourceOptions<'_>) -> Result<MeshFile> {
     let (named, named_packing) = MeshFormat::named(path);
     let packing = |head: &[u8]| detect::packing(head, named_packing);
     let mut source = Source::open_packed(path, packing, options)?;
-    let found = detect::format(&source.peek(detect::LOOK)?, source.size());
+    let head = source.peek(detect::LOOK)?;
+    if head.is_empty() {
+        return Err(empty(path));
+    }
+    let found = detect::format(&head, source.size());
+    if let (None, Some(what)) = (found, detect::other(&head)) {
+        return Err(Error::file(
+            path,
+            format!("is no mesh of a known format: it seems to be {what}"),
+        ));
+    }
     let mut notes = Vec::new();
     if source.packing() != named_packing {
         notes.push(format!("{}, although its name says otherwise", packed(source.packing())));
@@ -141,8 +155,10 @@ pub fn read_with(path: &Path, options: &SourceOptions<'_>) -> Result<MeshFile> {
             found
         }
         (None, None) => {
-            let known = formats::titles();
-            let what = format!("unknown kind of mesh: name and content are not {known}");
+            let (known, read) = (formats::titles(), MeshFormat::readable());
+            let what = format!(
+                "unknown kind of mesh: name and content are not {known}; the name may end in {read}"
+            );
             return Err(Error::file(path, what));
         }
     };
@@ -198,21 +214,17 @@ pub fn read_scalars(path: &Path) -> Result<Vec<Scalars>> {
 /// assert!(!names_scalars("a.csv".as_ref()));
 /// ```
 pub fn names_scalars(path: &Path) -> bool {
-    const ENDINGS: [&str; 12] = [
-        "gii",
-        "vtk",
-        "vtp",
-        "vtu",
-        "msh",
-        "annot",
-        "curv",
-        "sulc",
-        "thickness",
-        "area",
-        "volume",
-        "avg_curv",
-    ];
-    path.extension().is_some_and(|ending| ENDINGS.iter().any(|known| ending == *known))
+    let ending = path.extension().unwrap_or_default().to_string_lossy();
+    let mesh = matches!(&*ending, "gii" | "vtk" | "vtp" | "vtu" | "msh");
+    let freesurfer = matches!(
+        &*ending,
+        "annot" | "area" | "avg_curv" | "curv" | "sulc" | "thickness" | "volume"
+    );
+    mesh || freesurfer
+}
+
+fn empty(path: &Path) -> Error {
+    Error::file(path, "is empty: it has 0 bytes")
 }
 
 fn packed(packing: Packing) -> &'static str {
@@ -237,6 +249,9 @@ fn packed(packing: Packing) -> &'static str {
 /// As those of [`read()`]; the path is that of the format's usual name.
 pub fn read_bytes(bytes: &[u8], format: MeshFormat) -> Result<MeshFile> {
     let path = &usual_name(format);
+    if bytes.is_empty() {
+        return Err(empty(path));
+    }
     read_source(&mut Source::of_bytes(path, bytes), format, path)
 }
 
@@ -248,6 +263,28 @@ fn usual_name(format: MeshFormat) -> PathBuf {
 }
 
 fn read_source(source: &mut Source<'_>, format: MeshFormat, path: &Path) -> Result<MeshFile> {
+    // Text of other encodings and line ends is rewritten; it is rare, so memory matters less.
+    let unusual = source.fill_buf().map(|head| {
+        (
+            head.starts_with(b"\xff\xfe") || head.starts_with(b"\xfe\xff"),
+            text::ends_in_returns(head),
+        )
+    });
+    let (is_utf16, ends_in_returns) = unusual.map_err(|e| source.io_error(e))?;
+    if is_utf16 || ends_in_returns {
+        let mut bytes = source.read_all()?;
+        if is_utf16 {
+            bytes = text::of_utf16(&bytes).unwrap_or(bytes);
+        }
+        if text::ends_in_returns(&bytes) {
+            text::returns_to_feeds(&mut bytes);
+        }
+        return read_lines(&mut Source::of_bytes(path, &bytes), format, path);
+    }
+    read_lines(source, format, path)
+}
+
+fn read_lines(source: &mut Source<'_>, format: MeshFormat, path: &Path) -> Result<MeshFile> {
     let read = (format.description().read)(source);
     read.map_err(|error| match error {
         Error::Mesh { what, element } => {

@@ -1,21 +1,25 @@
-//! Geomview OFF (Phillips, Levy and Munzner 1993), ASCII, three-dimensional.
+//! Geomview OFF (Phillips, Levy and Munzner 1993), ASCII.
 
 use std::fmt::Display;
 use std::io::{self, Write};
 
 use super::attributes::{Attribute, MeshFile};
 use super::colors::Colors;
-use super::draft::{Checked, Draft, Fault, roomy};
+use super::draft::{Checked, Draft, roomy};
 use super::text::{count, integer, number, quoted, words};
 use catamaran::base::{Result, push};
 use catamaran::io::Source;
 
-/// The attributes of a vertex besides its position.
+/// What the header says of the vertices.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Kind {
     normals: bool,
     colors: bool,
     uv: bool,
+    /// Whether a weight follows the coordinates, by which they are divided.
+    weighted: bool,
+    /// Whether the number of coordinates is in the file.
+    dimensions: bool,
 }
 
 /// The words of a file, regardless of line breaks.
@@ -82,15 +86,11 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
     }
 }
 
-/// Parses the word OFF with its prefixes.
-fn header(word: &[u8]) -> Checked<Kind> {
-    let not_ours = || Fault::from(format!("{} is not OFF with prefixes ST, C, N", quoted(word)));
-    kind_of(word).ok_or_else(not_ours)
-}
-
-/// Returns the attributes that the first word of a file announces, if the file is OFF.
-pub(super) fn kind_of(word: &[u8]) -> Option<Kind> {
-    let mut prefix = word.strip_suffix(b"OFF")?;
+/// Returns what the first word of a file says of the vertices, if the file is OFF, and the number
+/// of digits after OFF: some programs write the number of vertices without a blank before it.
+pub(super) fn kind_of(word: &[u8]) -> Option<(Kind, usize)> {
+    let end = word.windows(3).position(|part| part == b"OFF")?;
+    let (mut prefix, digits) = (&word[..end], &word[end + 3..]);
     let mut strip = |part: &[u8]| match prefix.strip_prefix(part) {
         Some(rest) => {
             prefix = rest;
@@ -98,8 +98,15 @@ pub(super) fn kind_of(word: &[u8]) -> Option<Kind> {
         }
         None => false,
     };
-    let kind = Kind { uv: strip(b"ST"), colors: strip(b"C"), normals: strip(b"N") };
-    prefix.is_empty().then_some(kind)
+    let kind = Kind {
+        uv: strip(b"ST"),
+        colors: strip(b"C"),
+        normals: strip(b"N"),
+        weighted: strip(b"4"),
+        dimensions: strip(b"n"),
+    };
+    let fits = prefix.is_empty() && digits.iter().all(u8::is_ascii_digit);
+    fits.then_some((kind, digits.len()))
 }
 
 /// Reads the numbers of vertices and faces. The number of edges is ignored, and may be missing
@@ -121,6 +128,8 @@ const COLOR: usize = 4;
 #[derive(Default)]
 struct Reader {
     kind: Kind,
+    /// The number of coordinates of a vertex.
+    dimensions: usize,
     draft: Draft,
     normals: Vec<[f64; 3]>,
     colors: Colors,
@@ -133,11 +142,28 @@ struct Reader {
 
 impl Reader {
     fn read(tokens: &mut Tokens<'_, '_>) -> Checked<Self> {
-        let mut reader = Self { kind: header(tokens.next("header")?)?, ..Self::default() };
+        let header = tokens.next("header")?;
+        let Some((kind, digits)) = kind_of(header) else {
+            let what = format!("{} is not OFF with prefixes ST, C, N, 4, n", quoted(header));
+            return Err(what.into());
+        };
+        tokens.taken -= digits;
         if words(tokens.rest()).next() == Some(b"BINARY") {
             return Err("binary OFF files are not supported".into());
         }
+        let dimensions =
+            if kind.dimensions { count(tokens.next("number of coordinates")?)? } else { 3 };
+        if dimensions == 0 {
+            return Err("vertices without coordinates".into());
+        }
+        let mut reader = Self { kind, dimensions, ..Self::default() };
         let [vertices, faces] = counts(tokens)?;
+        // No vertex of three coordinates is alone on this line.
+        if tokens.left() == 1 && dimensions > 2 {
+            let line = tokens.source.line();
+            reader.draft.notes.add("left out a number after the counts", || format!("line {line}"));
+            tokens.taken = tokens.line.len();
+        }
         reader.draft.vertices = roomy(vertices);
         for v in 0..vertices {
             reader.vertex(tokens, &format_args!("vertex {v} of {vertices}"))?;
@@ -147,15 +173,40 @@ impl Reader {
         for f in 0..faces {
             reader.face(tokens, &format_args!("face {f} of {faces}"))?;
         }
-        if tokens.next_line()? {
-            return Err("text after the last face".into());
+        while tokens.next_line()? {
+            let line = tokens.source.line();
+            reader.draft.notes.add("left out lines after the last face", || format!("line {line}"));
+            tokens.taken = tokens.line.len();
         }
         Ok(reader)
     }
 
-    fn vertex(&mut self, tokens: &mut Tokens<'_, '_>, what: &dyn Display) -> Checked<()> {
-        self.draft.push_vertex(tokens.numbers(what)?)?;
+    /// Reads a position of any number of coordinates, of which the first three count, and which a
+    /// weight may follow.
+    fn position(&mut self, tokens: &mut Tokens<'_, '_>, what: &dyn Display) -> Checked<[f64; 3]> {
+        if self.dimensions == 3 && !self.kind.weighted {
+            return tokens.numbers(what);
+        }
+        let mut position = [0.0; 3];
+        for k in 0..self.dimensions {
+            let x = number(tokens.next(what)?)?;
+            if let Some(place) = position.get_mut(k) {
+                *place = x;
+            }
+        }
         let line = tokens.source.line();
+        if self.dimensions > 3 {
+            let what = "left out coordinates beyond the third, of vertices";
+            self.draft.notes.add(what, || format!("line {line}"));
+        }
+        let weight = if self.kind.weighted { number(tokens.next(what)?)? } else { 1.0 };
+        Ok(position.map(|x| x / weight))
+    }
+
+    fn vertex(&mut self, tokens: &mut Tokens<'_, '_>, what: &dyn Display) -> Checked<()> {
+        let position = self.position(tokens, what)?;
+        let line = tokens.source.line();
+        self.draft.push_vertex_or_lose(position, Some(line))?;
         let place = || format!("line {line}");
         if self.kind.normals {
             let normal = self.draft.finite(tokens.numbers(what)?, place);
@@ -167,16 +218,21 @@ impl Reader {
         // Texture coordinates come last, so one more number is the opacity. Some programs write
         // colours without the prefix.
         let given = if self.packed { least } else { tokens.left().max(least) };
+        let color = given - uv;
         let mut rest = [0.0; COLOR + 2];
         for (i, value) in rest.iter_mut().take(given).enumerate() {
             let word = tokens.next(what)?;
             *value = number(word)?;
-            if i < given - uv {
+            if i < color && color > 2 {
                 self.colors.see(word);
             }
         }
         let rest = self.draft.finite(rest, place);
-        let (color, uv) = rest[..given].split_at(given - uv);
+        // One or two numbers more are no colour, and follow the others.
+        let (color, uv) = match color {
+            1 | 2 => (&rest[uv..given], &rest[..uv]),
+            _ => rest[..given].split_at(color),
+        };
         match *color {
             [] => {}
             [r, g, b] => push(&mut self.colors.values, [r, g, b, 1.0])?,
@@ -184,7 +240,7 @@ impl Reader {
                 self.colors.has_opacity = true;
                 push(&mut self.colors.values, [r, g, b, a])?;
             }
-            _ => return Err(format!("a colour has 3 or 4 numbers, not {}", color.len()).into()),
+            _ => self.draft.notes.add("left out numbers after the others, of vertices", place),
         }
         if let [u, v] = *uv {
             push(&mut self.uv, [u, v])?;
@@ -217,7 +273,8 @@ impl Reader {
         Ok(())
     }
 
-    fn finish(self) -> Result<MeshFile> {
+    fn finish(mut self) -> Result<MeshFile> {
+        let lost = self.draft.lost()?;
         let mut file = self.draft.finish(&mut [], &mut [])?;
         let count = file.mesh.vertices().len();
         if self.kind.normals && count > 0 {
@@ -227,7 +284,7 @@ impl Reader {
             file.uv = Some(Attribute { values: self.uv, corners: None });
         }
         file.colors = self.colors.finish(count, &mut file.notes);
-        Ok(file)
+        lost.removed_from(file)
     }
 }
 

@@ -23,6 +23,7 @@ pub(super) enum Kind {
     U32,
     I64,
     U64,
+    F16,
     F32,
     F64,
 }
@@ -32,7 +33,7 @@ impl Kind {
     pub fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
+            Self::I16 | Self::U16 | Self::F16 => 2,
             Self::I32 | Self::U32 | Self::F32 => 4,
             Self::I64 | Self::U64 | Self::F64 => 8,
         }
@@ -43,11 +44,13 @@ impl Kind {
     pub fn number(self, bytes: &[u8], is_big: bool) -> f64 {
         let mut wide = [0; 8];
         let size = self.size().min(bytes.len());
-        wide[..size].copy_from_slice(&bytes[..size]);
-        if is_big {
-            wide[..size].reverse();
-        }
-        let bits = u64::from_le_bytes(wide);
+        let bits = if is_big {
+            wide[8 - size..].copy_from_slice(&bytes[..size]);
+            u64::from_be_bytes(wide)
+        } else {
+            wide[..size].copy_from_slice(&bytes[..size]);
+            u64::from_le_bytes(wide)
+        };
         match self {
             Self::I8 => f64::from(bits as i8),
             Self::U8 => f64::from(bits as u8),
@@ -57,6 +60,7 @@ impl Kind {
             Self::U32 => f64::from(bits as u32),
             Self::I64 => bits as i64 as f64,
             Self::U64 => bits as f64,
+            Self::F16 => half(bits as u16),
             Self::F32 => f64::from(f32::from_bits(bits as u32)),
             Self::F64 => f64::from_bits(bits),
         }
@@ -68,6 +72,18 @@ impl Kind {
         values.extend(bytes.chunks_exact(self.size()).map(|own| self.number(own, is_big)));
         Ok(values)
     }
+}
+
+/// Returns the number of half precision (IEEE 754, binary16) with these bits.
+fn half(bits: u16) -> f64 {
+    let fraction = f64::from(bits & 0x3ff) / 1024.0;
+    let magnitude = match i32::from((bits >> 10) & 0x1f) {
+        0 => fraction * 2f64.powi(-14),
+        31 if fraction == 0.0 => f64::INFINITY,
+        31 => f64::NAN,
+        exponent => (1.0 + fraction) * 2f64.powi(exponent - 15),
+    };
+    if bits >> 15 == 1 { -magnitude } else { magnitude }
 }
 
 /// Returns the numbers of a text.
