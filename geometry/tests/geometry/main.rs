@@ -9,6 +9,7 @@ mod laplacian;
 mod mesh;
 mod mesh_files;
 mod mesh_files_written;
+mod mesh_formats;
 mod repair;
 mod spectral;
 mod surface;

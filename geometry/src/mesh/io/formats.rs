@@ -152,7 +152,12 @@ pub(super) static FORMATS: [Description; 11] = [
         read: gifti::read,
         is_written: true,
         text: None,
-        stores: &[Stored::LoneVertices, Stored::Normals, Stored::Scalars],
+        stores: &[
+            Stored::LoneVertices,
+            Stored::Normals,
+            Stored::NormalsBesideColors,
+            Stored::Scalars,
+        ],
     },
     Description {
         title: "FreeSurfer",
