@@ -7,9 +7,9 @@ use std::collections::HashMap;
 use super::attributes::MeshFile;
 use super::cursor::Cursor;
 use super::dataset::{Array, Dataset, cell};
-use super::draft::Checked;
+use super::draft::{Checked, Fault};
 use super::stored::{Budget, Kind, whole};
-use super::text::{integer, quoted, words};
+use super::text::{count, quoted, words};
 use catamaran::base::{Result, push, reserved};
 use catamaran::io::Source;
 
@@ -95,7 +95,15 @@ impl Reader<'_, '_> {
                 }
                 b"Nodes" => self.nodes()?,
                 b"Elements" => self.elements()?,
-                b"NodeData" => self.node_data()?,
+                b"NodeData" => match self.node_data() {
+                    Err(Fault::What(what)) => {
+                        let line = self.cursor.line_number();
+                        let place = || format!("line {line} ({what})");
+                        let notes = &mut self.dataset.draft.notes;
+                        notes.add("left out values of nodes that can't be read", place);
+                    }
+                    read => read?,
+                },
                 b"ParametricNodes" => return Err("parametric nodes are not supported".into()),
                 _ => {}
             }
@@ -136,7 +144,7 @@ impl Reader<'_, '_> {
         if is_binary {
             self.cursor.line();
             let one = self.cursor.bytes(4, "the byte order")?;
-            self.stored = Some(one == [0, 0, 0, 1]);
+            self.stored = Some(one == b"\0\0\0\x01");
         }
         Ok(())
     }
@@ -160,9 +168,7 @@ impl Reader<'_, '_> {
     /// Returns the number on the next line, which is text in binary files, too.
     fn counted(&mut self, what: &str) -> Checked<usize> {
         let line = self.cursor.full_line().unwrap_or_default();
-        let word = words(line).next().ok_or_else(|| format!("truncated before {what}"))?;
-        let value = integer(word)?;
-        Ok(usize::try_from(value).map_err(|_| format!("{value} is not a count"))?)
+        count(words(line).next().ok_or_else(|| format!("truncated before {what}"))?)
     }
 
     fn node(&mut self, number: f64, position: &[f64]) -> Checked<()> {
@@ -265,12 +271,12 @@ impl Reader<'_, '_> {
         const WHAT: &str = "the values of nodes";
         let mut name = None;
         for _ in 0..self.counted(WHAT)? {
-            let line = self.cursor.full_line().unwrap_or_default();
+            let line = self.cursor.full_line().ok_or("truncated before the name of values")?;
             let text = String::from_utf8_lossy(line);
             name.get_or_insert_with(|| text.trim_matches('"').to_owned());
         }
         for _ in 0..self.counted(WHAT)? {
-            self.cursor.full_line();
+            self.cursor.full_line().ok_or("truncated before the time of values")?;
         }
         // The step, the number of values of a node, and that of nodes.
         let mut sizes = [0, 1, 0];

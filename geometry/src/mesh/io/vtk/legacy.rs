@@ -26,7 +26,7 @@ struct Reader<'a> {
 }
 
 /// Returns word number `i` of a line of a header.
-fn operand<'a>(line: &'a [u8], i: usize) -> Checked<&'a [u8]> {
+fn operand(line: &[u8], i: usize) -> Checked<&[u8]> {
     Ok(words(line).nth(i).ok_or_else(|| format!("{} lacks a word", quoted(line)))?)
 }
 

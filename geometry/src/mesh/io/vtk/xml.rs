@@ -173,11 +173,8 @@ impl<'a> Document<'a> {
                 dataset.draft.notes.add("left out values of cells", || raw.name.clone());
             }
             let of_points = piece.iter().filter(|raw| raw.section == b"PointData");
-            for (i, raw) in of_points.enumerate() {
-                let Some(kind) = raw.kind else {
-                    dataset.draft.notes.add("left out texts of vertices", || raw.name.clone());
-                    continue;
-                };
+            let of_numbers = of_points.filter_map(|raw| Some((raw, raw.kind?)));
+            for (i, (raw, kind)) in of_numbers.enumerate() {
                 let values = self.values(raw, budget)?;
                 if number > 0 {
                     // Pieces have the same arrays in the same order.
