@@ -29,7 +29,7 @@ Path = Union[str, "os.PathLike[str]"]
 
 
 def read_mesh(path: Path, *, attributes: bool = False) -> Any:
-    """Read a mesh: .obj, .ply, .off, .stl, .glb or .gltf, each also with .gz after it.
+    """Read a mesh, in a format of docs/guide/mesh-files.md, also with .gz or .xz after it.
 
     Parameters
     ----------

@@ -4,7 +4,7 @@ use std::path::Path;
 use super::super::TriMesh;
 use super::attributes::MeshFile;
 use super::colors::{byte, nearest_byte};
-use super::formats::{Description, FORMATS, Stored, endings, titles};
+use super::formats::{Description, FORMATS, Stored, endings};
 use super::gltf::GltfEncoding;
 use super::ply::PlyEncoding;
 use super::stl::StlEncoding;
@@ -68,17 +68,6 @@ impl MeshFormat {
     /// ```
     pub fn writable() -> String {
         endings(true)
-    }
-
-    /// Returns the names of the formats that can be read, such as "OBJ, PLY or glTF".
-    ///
-    /// ```
-    /// use catamaran_geometry::mesh::io::MeshFormat;
-    ///
-    /// assert!(MeshFormat::names().starts_with("OBJ, PLY, "));
-    /// ```
-    pub fn names() -> String {
-        titles()
     }
 
     /// Returns the format that the name of a file to be written implies; the name may end in a

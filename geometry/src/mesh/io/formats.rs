@@ -26,6 +26,23 @@ pub(super) enum Stored {
     Groups,
 }
 
+impl Stored {
+    /// Returns the words of the guide; `None` for what the words of another one imply.
+    fn words(self) -> Option<&'static str> {
+        Some(match self {
+            Self::LoneVertices => "vertices without a face",
+            Self::Uv => "texture coordinates",
+            Self::Normals => "normals of vertices",
+            Self::NormalsBesideColors => return None,
+            Self::CornerNormals => "normals of corners",
+            Self::Colors => "colours",
+            Self::Materials => "names of materials",
+            Self::MaterialFiles => "files of materials",
+            Self::Groups => "groups and objects",
+        })
+    }
+}
+
 /// A format of mesh files.
 pub(super) struct Description {
     /// Its name in messages.
@@ -40,8 +57,12 @@ pub(super) struct Description {
     pub is_written: bool,
     /// The encoding that has every digit as text.
     pub text: Option<MeshFormat>,
+    /// What a file keeps of the coordinates, for the guide.
+    pub coordinates: &'static str,
     pub stores: &'static [Stored],
 }
+
+const EVERY_DIGIT: &str = "every digit";
 
 /// The formats. A file has the last one that it fits: those whose content may be taken for another
 /// format come first.
@@ -53,6 +74,7 @@ pub(super) static FORMATS: [Description; 5] = [
         read: obj::read,
         is_written: true,
         text: Some(MeshFormat::Obj),
+        coordinates: EVERY_DIGIT,
         stores: &[
             Stored::LoneVertices,
             Stored::Uv,
@@ -72,6 +94,7 @@ pub(super) static FORMATS: [Description; 5] = [
         read: ply::read,
         is_written: true,
         text: Some(MeshFormat::Ply(PlyEncoding::Ascii)),
+        coordinates: EVERY_DIGIT,
         stores: &[
             Stored::LoneVertices,
             Stored::Uv,
@@ -87,6 +110,7 @@ pub(super) static FORMATS: [Description; 5] = [
         read: off::read,
         is_written: true,
         text: Some(MeshFormat::Off),
+        coordinates: EVERY_DIGIT,
         stores: &[Stored::LoneVertices, Stored::Normals, Stored::Colors],
     },
     Description {
@@ -96,6 +120,7 @@ pub(super) static FORMATS: [Description; 5] = [
         read: stl::read,
         is_written: true,
         text: Some(MeshFormat::Stl(StlEncoding::Ascii)),
+        coordinates: "single precision; every digit with `mesh --text`",
         stores: &[],
     },
     Description {
@@ -108,6 +133,7 @@ pub(super) static FORMATS: [Description; 5] = [
         read: gltf::read,
         is_written: true,
         text: None,
+        coordinates: "single precision, from the middle of the mesh",
         stores: &[
             Stored::LoneVertices,
             Stored::Uv,
@@ -130,6 +156,24 @@ pub(super) fn titles() -> String {
 pub(super) fn endings(written: bool) -> String {
     let formats = FORMATS.iter().filter(|format| format.is_written || !written);
     in_words(formats.flat_map(|format| format.endings).map(|(ending, _)| format!(".{ending}")))
+}
+
+/// Returns the rows of the table of the guide, in Markdown.
+pub(super) fn rows() -> String {
+    let row = |format: &Description| {
+        let endings = format.endings.iter().map(|(ending, _)| format!("`.{ending}`"));
+        let endings = endings.collect::<Vec<_>>().join(", ");
+        let stored = format.stores.iter().filter_map(|stored| stored.words());
+        let stored = stored.collect::<Vec<_>>().join(", ");
+        let stored = if stored.is_empty() { "nothing" } else { &stored };
+        let has = |what| format.stores.contains(&what);
+        let alone =
+            has(Stored::Normals) && has(Stored::Colors) && !has(Stored::NormalsBesideColors);
+        let instead = if alone { ", the normals only without colours" } else { "" };
+        let written = if format.is_written { format.coordinates } else { "read only" };
+        format!("| {} | {endings} | {written} | {stored}{instead} |\n", format.title)
+    };
+    FORMATS.iter().map(row).collect()
 }
 
 /// Returns a list with "or" before the last item.

@@ -108,6 +108,9 @@ pub fn read(path: &Path) -> Result<MeshFile> {
 /// # Errors
 /// As those of [`read()`], and [`Error::Cancelled`].
 pub fn read_with(path: &Path, options: &SourceOptions<'_>) -> Result<MeshFile> {
+    if path.metadata().is_ok_and(|about| about.is_file() && about.len() == 0) {
+        return Err(empty(path));
+    }
     let (named, named_packing) = MeshFormat::named(path);
     let packing = |head: &[u8]| detect::packing(head, named_packing);
     let mut source = Source::open_packed(path, packing, options)?;
@@ -148,6 +151,13 @@ pub fn read_with(path: &Path, options: &SourceOptions<'_>) -> Result<MeshFile> {
     let mut file = read_source(&mut source, format, path)?;
     notes.append(&mut file.notes);
     Ok(MeshFile { notes, ..file })
+}
+
+/// Returns the rows of the table of formats in the guide, in Markdown: name, endings, coordinates
+/// and what else is stored.
+#[doc(hidden)]
+pub fn rows_of_guide() -> String {
+    formats::rows()
 }
 
 fn empty(path: &Path) -> Error {
