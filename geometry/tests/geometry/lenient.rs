@@ -75,7 +75,7 @@ fn wide_ply(kind: &str) -> Vec<u8> {
 
 #[test]
 fn ply_has_the_types_of_numpy() {
-    for kind in ["int64", "uint64"] {
+    for kind in ["int64", "uint64", "<i8"] {
         assert!(whole(&wide_ply(kind), PLY).notes.is_empty());
     }
     let text = changed(&text_of(PLY), "uchar int vertex", "bool int64 vertex");
@@ -388,6 +388,10 @@ fn off_is_read_with_counts_after_its_name_and_with_any_dimension() {
     assert_eq!(mesh.vertices(), [[2.0, 4.0, 0.0], [1.0, 2.0, 0.0]]);
     let file = read_bytes(b"STOFF\n1 0 0\n0 0 0 0.5 0.25 9\n", OFF).unwrap();
     assert_eq!(file.uv.unwrap().values, [[0.5, 0.25]]);
+    let colored = b"COFF\n2 0 0\n0 0 0 1.0 0 0 1 9\n1 0 0 0 0.5 0 1 9\n";
+    let file = read_bytes(colored, OFF).unwrap();
+    assert_eq!(file.colors.as_ref().unwrap()[1], [0.0, 0.5, 0.0, 1.0]);
+    assert!(note(&file, "left out numbers after the others").ends_with(": 2, the first at line 3"));
     assert!(refusal(b"nOFF 0\n1 0 0\n\n", OFF).1.contains("without coordinates"));
 }
 

@@ -202,17 +202,13 @@ fn usual_name(format: MeshFormat) -> PathBuf {
 fn read_source(source: &mut Source<'_>, format: MeshFormat, path: &Path) -> Result<MeshFile> {
     // Text of other encodings and line ends is rewritten; it is rare, so memory matters less.
     let unusual = source.fill_buf().map(|head| {
-        (
-            head.starts_with(b"\xff\xfe") || head.starts_with(b"\xfe\xff"),
-            text::ends_in_returns(head),
-        )
+        let start = &head[..head.len().min(8)];
+        (text::of_utf16(start).is_some(), text::ends_in_returns(head))
     });
     let (is_utf16, ends_in_returns) = unusual.map_err(|e| source.io_error(e))?;
     if is_utf16 || ends_in_returns {
-        let mut bytes = source.read_all()?;
-        if is_utf16 {
-            bytes = text::of_utf16(&bytes).unwrap_or(bytes);
-        }
+        let bytes = source.read_all()?;
+        let mut bytes = text::of_utf16(&bytes).unwrap_or(bytes);
         if text::ends_in_returns(&bytes) {
             text::returns_to_feeds(&mut bytes);
         }
