@@ -2,8 +2,8 @@
 
 use super::format::MeshFormat;
 use super::formats::FORMATS;
-use super::off;
 use super::text::{number, of_utf16, words};
+use super::{freesurfer, off};
 use catamaran::io::Packing;
 
 /// Number of bytes of a file that are read to detect its format.
@@ -70,6 +70,40 @@ pub(super) fn format(bytes: &[u8], size: Option<u64>) -> Option<MeshFormat> {
 pub(super) fn is_gltf(head: &Head<'_>) -> bool {
     let is_json = || head.bytes.trim_ascii_start().starts_with(b"{") && !head.bytes.contains(&0);
     head.bytes.starts_with(b"glTF") || is_json()
+}
+
+pub(super) fn is_vtk(head: &Head<'_>) -> bool {
+    let magic = b"# vtk datafile";
+    head.bytes.get(..magic.len()).is_some_and(|start| start.eq_ignore_ascii_case(magic))
+}
+
+pub(super) fn is_vtk_xml(head: &Head<'_>) -> bool {
+    has_element(head, b"<VTKFile")
+}
+
+pub(super) fn is_gifti(head: &Head<'_>) -> bool {
+    has_element(head, b"<GIFTI")
+}
+
+/// Returns whether XML has this element in its first bytes: comments may come before.
+fn has_element(head: &Head<'_>, start: &[u8]) -> bool {
+    let text = head.bytes.trim_ascii_start();
+    let text = &text[..text.len().min(1 << 12)];
+    text.starts_with(b"<") && text.windows(start.len()).any(|bytes| bytes == start)
+}
+
+pub(super) fn is_freesurfer(head: &Head<'_>) -> bool {
+    freesurfer::begins(head.bytes)
+}
+
+pub(super) fn is_gmsh(head: &Head<'_>) -> bool {
+    let line = head.bytes.trim_ascii_start();
+    line.starts_with(b"$MeshFormat") || line.starts_with(b"$NOD")
+}
+
+/// Other archives (zip) are refused by name.
+pub(super) fn is_threemf(head: &Head<'_>) -> bool {
+    head.bytes.starts_with(b"PK\x03\x04")
 }
 
 pub(super) fn is_ply(head: &Head<'_>) -> bool {

@@ -8,6 +8,7 @@ use super::formats::{Description, FORMATS, Stored, endings};
 use super::gltf::GltfEncoding;
 use super::ply::PlyEncoding;
 use super::stl::StlEncoding;
+use super::vtk::VtkEncoding;
 use catamaran::base::{Error, Result};
 use catamaran::io::Packing;
 
@@ -28,6 +29,18 @@ pub enum MeshFormat {
     Stl(StlEncoding),
     /// Khronos glTF 2.0. The encoding matters for writing only; a reader detects it.
     Gltf(GltfEncoding),
+    /// Legacy VTK. The encoding matters for writing only; a reader takes it from the header.
+    Vtk(VtkEncoding),
+    /// XML files of VTK: PolyData and UnstructuredGrid; only read.
+    VtkXml,
+    /// GIFTI; written in single precision.
+    Gifti,
+    /// Surfaces of FreeSurfer; only read.
+    FreeSurfer,
+    /// Gmsh's MSH, versions 2 and 4.1; only read.
+    Gmsh,
+    /// 3MF; written in millimetres.
+    ThreeMf,
 }
 
 impl MeshFormat {
@@ -85,7 +98,7 @@ impl MeshFormat {
     /// [`Error::Io`] for a name that implies no format.
     pub fn of(path: &Path) -> Result<Self> {
         let what = match Self::named(path).0 {
-            Some(format) if format.description().is_written => return Ok(format),
+            Some(format) if format.description().written.is_some() => return Ok(format),
             Some(format) => format!("{} files can only be read", format.title()),
             None => "unknown kind of mesh".into(),
         };
@@ -133,12 +146,13 @@ impl MeshFormat {
             (materials, "materials"),
             (material_files && !materials, "files of materials"),
             (groups && !stores(Stored::Groups), "groups"),
+            (!file.scalars.is_empty() && !stores(Stored::Scalars), "scalars"),
         ];
         all.into_iter().filter(|(lost, _)| *lost).map(|(_, what)| what).collect()
     }
 
     /// Returns the format that has every digit as text, instead of single precision or binary
-    /// numbers; `None` for glTF, whose coordinates have single precision as text, too.
+    /// numbers; `None` for those that have single precision as text, too, or are only read.
     ///
     /// ```
     /// use catamaran_geometry::mesh::io::{MeshFormat, PlyEncoding, StlEncoding};
@@ -171,6 +185,16 @@ impl MeshFormat {
             } else if numbers.iter().any(|&x| byte(x).is_none()) {
                 notes.push("rounded colours to 256 levels".into());
             }
+        }
+        let levels = |x: &f64| byte(*x).is_none();
+        let mut colors = file.colors.iter().flat_map(|colors| colors.as_flattened());
+        if self == Self::Vtk(VtkEncoding::Binary) && colors.any(levels) {
+            notes.push("rounded colours to 256 levels from 0 to 1".into());
+        }
+        let is_rounded = |x: &f64| f64::from(*x as f32) != *x && !x.is_nan();
+        let mut scalars = file.scalars.iter().flat_map(|scalars| &scalars.values);
+        if self == Self::Gifti && scalars.any(is_rounded) {
+            notes.push("rounded scalars to single precision".into());
         }
         let binary_ply = is_ply && self != Self::Ply(PlyEncoding::Ascii);
         if binary_ply || matches!(self, Self::Gltf(_)) {

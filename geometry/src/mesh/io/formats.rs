@@ -6,7 +6,8 @@ use super::format::MeshFormat;
 use super::gltf::GltfEncoding;
 use super::ply::PlyEncoding;
 use super::stl::StlEncoding;
-use super::{gltf, obj, off, ply, stl};
+use super::vtk::{self, VtkEncoding};
+use super::{freesurfer, gifti, gltf, gmsh, obj, off, ply, stl, threemf};
 use catamaran::base::Result;
 use catamaran::io::Source;
 
@@ -24,6 +25,7 @@ pub(super) enum Stored {
     Materials,
     MaterialFiles,
     Groups,
+    Scalars,
 }
 
 impl Stored {
@@ -39,6 +41,7 @@ impl Stored {
             Self::Materials => "names of materials",
             Self::MaterialFiles => "files of materials",
             Self::Groups => "groups and objects",
+            Self::Scalars => "functions on vertices",
         })
     }
 }
@@ -53,12 +56,10 @@ pub(super) struct Description {
     /// Returns whether a file that begins so has this format.
     pub fits: fn(&Head<'_>) -> bool,
     pub read: fn(&mut Source<'_>) -> Result<MeshFile>,
-    /// Whether [`write()`](super::write()) knows the format.
-    pub is_written: bool,
+    /// What a file keeps of the coordinates; `None` for a format that is only read.
+    pub written: Option<&'static str>,
     /// The encoding that has every digit as text.
     pub text: Option<MeshFormat>,
-    /// What a file keeps of the coordinates, for the guide.
-    pub coordinates: &'static str,
     pub stores: &'static [Stored],
 }
 
@@ -66,15 +67,14 @@ const EVERY_DIGIT: &str = "every digit";
 
 /// The formats. A file has the last one that it fits: those whose content may be taken for another
 /// format come first.
-pub(super) static FORMATS: [Description; 5] = [
+pub(super) static FORMATS: [Description; 11] = [
     Description {
         title: "OBJ",
         endings: &[("obj", MeshFormat::Obj)],
         fits: detect::is_obj,
         read: obj::read,
-        is_written: true,
+        written: Some(EVERY_DIGIT),
         text: Some(MeshFormat::Obj),
-        coordinates: EVERY_DIGIT,
         stores: &[
             Stored::LoneVertices,
             Stored::Uv,
@@ -92,9 +92,8 @@ pub(super) static FORMATS: [Description; 5] = [
         endings: &[("ply", MeshFormat::Ply(PlyEncoding::LittleEndian))],
         fits: detect::is_ply,
         read: ply::read,
-        is_written: true,
+        written: Some(EVERY_DIGIT),
         text: Some(MeshFormat::Ply(PlyEncoding::Ascii)),
-        coordinates: EVERY_DIGIT,
         stores: &[
             Stored::LoneVertices,
             Stored::Uv,
@@ -108,9 +107,8 @@ pub(super) static FORMATS: [Description; 5] = [
         endings: &[("off", MeshFormat::Off)],
         fits: detect::is_off,
         read: off::read,
-        is_written: true,
+        written: Some(EVERY_DIGIT),
         text: Some(MeshFormat::Off),
-        coordinates: EVERY_DIGIT,
         stores: &[Stored::LoneVertices, Stored::Normals, Stored::Colors],
     },
     Description {
@@ -118,9 +116,8 @@ pub(super) static FORMATS: [Description; 5] = [
         endings: &[("stl", MeshFormat::Stl(StlEncoding::Binary))],
         fits: detect::is_stl,
         read: stl::read,
-        is_written: true,
+        written: Some("single precision; every digit with `mesh --text`"),
         text: Some(MeshFormat::Stl(StlEncoding::Ascii)),
-        coordinates: "single precision; every digit with `mesh --text`",
         stores: &[],
     },
     Description {
@@ -131,9 +128,8 @@ pub(super) static FORMATS: [Description; 5] = [
         ],
         fits: detect::is_gltf,
         read: gltf::read,
-        is_written: true,
+        written: Some("single precision, from the middle of the mesh"),
         text: None,
-        coordinates: "single precision, from the middle of the mesh",
         stores: &[
             Stored::LoneVertices,
             Stored::Uv,
@@ -143,6 +139,73 @@ pub(super) static FORMATS: [Description; 5] = [
             Stored::Colors,
             Stored::Materials,
         ],
+    },
+    Description {
+        title: "VTK",
+        endings: &[("vtk", MeshFormat::Vtk(VtkEncoding::Binary))],
+        fits: detect::is_vtk,
+        read: vtk::read_legacy,
+        written: Some(EVERY_DIGIT),
+        text: Some(MeshFormat::Vtk(VtkEncoding::Ascii)),
+        stores: &[
+            Stored::LoneVertices,
+            Stored::Uv,
+            Stored::Normals,
+            Stored::NormalsBesideColors,
+            Stored::Colors,
+            Stored::Scalars,
+        ],
+    },
+    Description {
+        title: "VTK XML",
+        endings: &[("vtp", MeshFormat::VtkXml), ("vtu", MeshFormat::VtkXml)],
+        fits: detect::is_vtk_xml,
+        read: vtk::read_xml,
+        written: None,
+        text: None,
+        stores: &[],
+    },
+    Description {
+        title: "GIFTI",
+        endings: &[("gii", MeshFormat::Gifti)],
+        fits: detect::is_gifti,
+        read: gifti::read,
+        written: Some("single precision"),
+        text: None,
+        stores: &[Stored::LoneVertices, Stored::Normals, Stored::Scalars],
+    },
+    Description {
+        title: "FreeSurfer",
+        endings: &[
+            ("white", MeshFormat::FreeSurfer),
+            ("pial", MeshFormat::FreeSurfer),
+            ("inflated", MeshFormat::FreeSurfer),
+            ("sphere", MeshFormat::FreeSurfer),
+            ("orig", MeshFormat::FreeSurfer),
+        ],
+        fits: detect::is_freesurfer,
+        read: freesurfer::read,
+        written: None,
+        text: None,
+        stores: &[],
+    },
+    Description {
+        title: "Gmsh",
+        endings: &[("msh", MeshFormat::Gmsh)],
+        fits: detect::is_gmsh,
+        read: gmsh::read,
+        written: None,
+        text: None,
+        stores: &[],
+    },
+    Description {
+        title: "3MF",
+        endings: &[("3mf", MeshFormat::ThreeMf)],
+        fits: detect::is_threemf,
+        read: threemf::read,
+        written: Some(EVERY_DIGIT),
+        text: Some(MeshFormat::ThreeMf),
+        stores: &[Stored::LoneVertices],
     },
 ];
 
@@ -154,7 +217,7 @@ pub(super) fn titles() -> String {
 /// Returns the endings of the files that are read or, with `written`, those that are written, such
 /// as ".obj, .ply or .glb".
 pub(super) fn endings(written: bool) -> String {
-    let formats = FORMATS.iter().filter(|format| format.is_written || !written);
+    let formats = FORMATS.iter().filter(|format| format.written.is_some() || !written);
     in_words(formats.flat_map(|format| format.endings).map(|(ending, _)| format!(".{ending}")))
 }
 
@@ -165,12 +228,15 @@ pub(super) fn rows() -> String {
         let endings = endings.collect::<Vec<_>>().join(", ");
         let stored = format.stores.iter().filter_map(|stored| stored.words());
         let stored = stored.collect::<Vec<_>>().join(", ");
-        let stored = if stored.is_empty() { "nothing" } else { &stored };
+        let stored = match format.written {
+            Some(_) if stored.is_empty() => "nothing",
+            _ => &stored,
+        };
         let has = |what| format.stores.contains(&what);
         let alone =
             has(Stored::Normals) && has(Stored::Colors) && !has(Stored::NormalsBesideColors);
         let instead = if alone { ", the normals only without colours" } else { "" };
-        let written = if format.is_written { format.coordinates } else { "read only" };
+        let written = format.written.unwrap_or("read only");
         format!("| {} | {endings} | {written} | {stored}{instead} |\n", format.title)
     };
     FORMATS.iter().map(row).collect()
@@ -197,7 +263,9 @@ mod tests {
             assert!(all[..i].iter().all(|(other, _)| other != ending), "{ending}");
             assert!(format.description().endings.contains(&(*ending, *format)), "{ending}");
         }
-        assert_eq!(titles(), "OBJ, PLY, OFF, STL or glTF");
-        assert_eq!(endings(true), ".obj, .ply, .off, .stl, .glb or .gltf");
+        let known = "OBJ, PLY, OFF, STL, glTF, VTK, VTK XML, GIFTI, FreeSurfer, Gmsh or 3MF";
+        assert_eq!(titles(), known);
+        let written = ".obj, .ply, .off, .stl, .glb, .gltf, .vtk, .gii or .3mf";
+        assert_eq!(endings(true), written);
     }
 }

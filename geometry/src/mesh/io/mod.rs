@@ -1,21 +1,27 @@
-//! Mesh files: reads and writes OBJ, PLY, OFF, STL and glTF, also gzipped (`.gz`), and reads `.xz`.
+//! Mesh files: reads and writes OBJ, PLY, OFF, STL, glTF, legacy VTK, GIFTI and 3MF, also gzipped
+//! (`.gz`), and reads VTK's XML, FreeSurfer and Gmsh, and `.xz`.
 //!
 //! A reader does not trust the file: counts in a header reserve no memory before the bytes are
 //! read, an error names the file and the line or the element, and a file that needs more memory
 //! than the limit is refused ([`SourceOptions::max_memory`]). The reader notes what it leaves out
 //! or replaces ([`MeshFile::notes`]). A writer keeps every bit of the coordinates, except in binary
-//! STL and glTF, which have single precision: there it returns a note with the largest distance by
-//! which a vertex moves, and an error if a face would vanish. In glTF, coordinates count from the
-//! middle of the mesh where that is more accurate, and a node moves them back. The file appears
-//! when it is complete, or not at all ([`Output`]).
+//! STL, GIFTI and glTF, which have single precision: there it returns a note with the largest
+//! distance by which a vertex moves, and an error if a face would vanish. In glTF, coordinates
+//! count from the middle of the mesh where that is more accurate, and a node moves them back. The
+//! file appears when it is complete, or not at all ([`Output`]).
 
 mod attributes;
 mod colors;
+mod cursor;
+mod dataset;
 mod detect;
 mod draft;
 mod format;
 mod formats;
+mod freesurfer;
+mod gifti;
 mod gltf;
+mod gmsh;
 mod labels;
 mod notes;
 mod obj;
@@ -25,12 +31,16 @@ mod polygon;
 mod refined;
 mod rounding;
 mod stl;
+mod stored;
 mod text;
+mod threemf;
+mod vtk;
+mod xml;
 
 use std::io::{BufRead, Write};
 use std::path::{Path, PathBuf};
 
-pub use attributes::{Attribute, MeshFile};
+pub use attributes::{Attribute, MeshFile, Scalars};
 pub use format::MeshFormat;
 #[doc(hidden)]
 pub use gltf::write_glb;
@@ -38,6 +48,7 @@ pub use gltf::{GltfEncoding, Material, Picture};
 pub use labels::Labels;
 pub use ply::PlyEncoding;
 pub use stl::StlEncoding;
+pub use vtk::VtkEncoding;
 
 use self::rounding::Rounding;
 use catamaran::base::{Error, Result};
@@ -65,6 +76,12 @@ use catamaran::io::{Output, Packing, Source, SourceOptions};
 ///   with the morph targets that have a weight; skinned meshes as they are modelled. Vertices of a
 ///   mesh with equal positions and colours become one. An extension that a file requires is
 ///   supported or an error.
+/// - `.vtk`, `.vtp`, `.vtu`: the faces of polygons and unstructured grids, and the values of their
+///   points; text, binary, and XML packed by zlib.
+/// - `.gii`: points, triangles and values of vertices (GIFTI).
+/// - `.white`, `.pial` and others: surfaces of FreeSurfer, of triangles and of quadrilaterals.
+/// - `.msh`: the faces of Gmsh's versions 2 and 4.1, text and binary, and values of nodes.
+/// - `.3mf`: the objects of the build in their places, in millimetres.
 ///
 /// What is left out or replaced is in [`MeshFile::notes`].
 ///
@@ -158,6 +175,62 @@ pub fn read_with(path: &Path, options: &SourceOptions<'_>) -> Result<MeshFile> {
 #[doc(hidden)]
 pub fn rows_of_guide() -> String {
     formats::rows()
+}
+
+/// Reads the values of vertices in the file at `path`: those of a mesh, of a GIFTI file without a
+/// surface, of a file of FreeSurfer (`.curv`, `.thickness` and others), or the numbers of labels of
+/// its `.annot`, -1 for none.
+///
+/// ```
+/// use catamaran_geometry::mesh::io::read_scalars;
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// let path = &folder.path().join("lh.thickness");
+/// // The number of vertices, of faces, and of values of a vertex.
+/// let head = [&[255; 3][..], &[0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 1]].concat();
+/// std::fs::write(path, [head, [2.5f32, 3.0].map(f32::to_be_bytes).concat()].concat()).unwrap();
+/// let thickness = &read_scalars(path)?[0];
+/// assert_eq!((&thickness.name[..], &thickness.values[..]), ("thickness", &[2.5, 3.0][..]));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// As those of [`read()`], also when the file has no values of vertices.
+pub fn read_scalars(path: &Path) -> Result<Vec<Scalars>> {
+    let named = MeshFormat::named(path);
+    let mut source =
+        Source::open_packed(path, |head| detect::packing(head, named.1), &SourceOptions::new())?;
+    let head = source.peek(detect::LOOK)?;
+    let is_annotation = path.extension().is_some_and(|ending| ending == "annot");
+    let scalars = match detect::format(&head, source.size()) {
+        _ if is_annotation => freesurfer::scalars(&mut source)?,
+        Some(MeshFormat::Gifti) => gifti::scalars(&mut source)?,
+        Some(MeshFormat::FreeSurfer) => freesurfer::scalars(&mut source)?,
+        None if named.0.is_none() => freesurfer::scalars(&mut source)?,
+        _ => read(path)?.scalars,
+    };
+    match scalars.is_empty() {
+        true => Err(Error::file(path, "has no values of vertices")),
+        false => Ok(scalars),
+    }
+}
+
+/// Returns whether [`read_scalars`] may read a file of this name: other names are those of tables.
+///
+/// ```
+/// use catamaran_geometry::mesh::io::names_scalars;
+///
+/// assert!(names_scalars("lh.thickness".as_ref()) && names_scalars("a.shape.gii".as_ref()));
+/// assert!(!names_scalars("a.csv".as_ref()));
+/// ```
+pub fn names_scalars(path: &Path) -> bool {
+    let ending = path.extension().unwrap_or_default().to_string_lossy();
+    let mesh = matches!(&*ending, "gii" | "vtk" | "vtp" | "vtu" | "msh");
+    let freesurfer = matches!(
+        &*ending,
+        "annot" | "area" | "avg_curv" | "curv" | "sulc" | "thickness" | "volume"
+    );
+    mesh || freesurfer
 }
 
 fn empty(path: &Path) -> Error {
@@ -311,6 +384,13 @@ fn encode(
         MeshFormat::Off => off::write(sink, file),
         MeshFormat::Stl(encoding) => stl::write(sink, &file.mesh, encoding),
         MeshFormat::Gltf(encoding) => gltf::write(sink, file, encoding, rounding),
+        MeshFormat::Vtk(encoding) => vtk::write(sink, file, encoding),
+        MeshFormat::Gifti => gifti::write(sink, file, rounding),
+        MeshFormat::ThreeMf => threemf::write(sink, &file.mesh),
+        MeshFormat::VtkXml | MeshFormat::FreeSurfer | MeshFormat::Gmsh => {
+            let what = format!("{} files can only be read", format.title());
+            Err(std::io::Error::new(std::io::ErrorKind::Unsupported, what))
+        }
     }
 }
 
@@ -332,7 +412,9 @@ fn rounding_of(path: &Path, file: &MeshFile, format: MeshFormat) -> Result<Round
     file.check()?;
     file.check_finite()?;
     match format {
-        MeshFormat::Stl(StlEncoding::Binary) => Rounding::from_zero(&file.mesh, path),
+        MeshFormat::Stl(StlEncoding::Binary) | MeshFormat::Gifti => {
+            Rounding::from_zero(&file.mesh, path)
+        }
         MeshFormat::Gltf(_) => Rounding::from_middle(&file.mesh, path),
         _ => Ok(Rounding::default()),
     }

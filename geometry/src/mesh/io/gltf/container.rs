@@ -5,12 +5,10 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Component, Path};
 
-use base64::Engine;
-use base64::alphabet::STANDARD;
-use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use serde::Deserialize;
 
 use super::super::draft::{Checked, Fault};
+use super::super::stored::from_base64;
 use super::document::{Asset, Buffer, Document};
 use super::extensions::{self, check_required, unsupported};
 use catamaran::io::Source;
@@ -140,10 +138,7 @@ fn load(
 /// Returns the bytes of a data URI; `data` is what follows `data:`.
 fn embedded(data: &str) -> Checked<Vec<u8>> {
     let (_, text) = data.split_once(";base64,").ok_or("a data URI that is not in base64")?;
-    let padding = DecodePaddingMode::Indifferent;
-    let config = GeneralPurposeConfig::new().with_decode_padding_mode(padding);
-    let decoded = GeneralPurpose::new(&STANDARD, config).decode(text.trim_end());
-    decoded.map_err(|e| format!("broken base64: {e}").into())
+    from_base64(text.as_bytes())
 }
 
 /// Returns up to `length` bytes of the file that a URI names.

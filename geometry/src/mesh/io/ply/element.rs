@@ -3,21 +3,7 @@
 use super::super::draft::Checked;
 use super::super::text::quoted;
 
-/// The type of a number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Type {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    I64,
-    U64,
-    F16,
-    F32,
-    F64,
-}
+pub(super) use super::super::stored::Kind as Type;
 
 impl Type {
     /// Parses the name of a type, also of those that programs take over from NumPy.
@@ -40,16 +26,6 @@ impl Type {
             b"double" | b"float64" | b"f8" => Self::F64,
             _ => return Err(format!("unknown type {}", quoted(word)).into()),
         })
-    }
-
-    /// Returns the size of a number of this type in a binary file, in bytes.
-    pub fn size(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 | Self::F16 => 2,
-            Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::I64 | Self::U64 | Self::F64 => 8,
-        }
     }
 
     /// Returns the integer that represents 1 in a colour; 1 for floating-point types.

@@ -108,7 +108,8 @@ impl<'s, 'a> Rows<'s, 'a> {
 
     fn binary_row(&mut self) -> Checked<()> {
         let Self { source, element, row, bytes, .. } = self;
-        let decode = if self.encoding == PlyEncoding::LittleEndian { little } else { big };
+        let is_big = self.encoding == PlyEncoding::BigEndian;
+        let decode = |kind: Type, own: &[u8]| kind.number(own, is_big);
         if let Some(size) = self.fixed {
             fill(source, bytes, size)?;
             let mut rest = &bytes[..];
@@ -165,48 +166,4 @@ fn fill(source: &mut Source<'_>, bytes: &mut Vec<u8>, size: usize) -> Checked<()
         std::io::ErrorKind::UnexpectedEof => Fault::from("truncated: the file ends too early"),
         _ => Fault::Error(source.io_error(e)),
     })
-}
-
-/// Returns the little-endian number of that type in these bytes.
-fn little(kind: Type, bytes: &[u8]) -> f64 {
-    let mut wide = [0; 8];
-    let size = kind.size().min(bytes.len());
-    wide[..size].copy_from_slice(&bytes[..size]);
-    number(kind, u64::from_le_bytes(wide))
-}
-
-/// Returns the big-endian number of that type in these bytes.
-fn big(kind: Type, bytes: &[u8]) -> f64 {
-    let mut wide = [0; 8];
-    let size = kind.size().min(bytes.len());
-    wide[8 - size..].copy_from_slice(&bytes[..size]);
-    number(kind, u64::from_be_bytes(wide))
-}
-
-fn number(kind: Type, bits: u64) -> f64 {
-    match kind {
-        Type::I8 => f64::from(bits as i8),
-        Type::U8 => f64::from(bits as u8),
-        Type::I16 => f64::from(bits as i16),
-        Type::U16 => f64::from(bits as u16),
-        Type::I32 => f64::from(bits as i32),
-        Type::U32 => f64::from(bits as u32),
-        Type::I64 => bits as i64 as f64,
-        Type::U64 => bits as f64,
-        Type::F16 => half(bits as u16),
-        Type::F32 => f64::from(f32::from_bits(bits as u32)),
-        Type::F64 => f64::from_bits(bits),
-    }
-}
-
-/// Returns the number of half precision (IEEE 754, binary16) with these bits.
-fn half(bits: u16) -> f64 {
-    let fraction = f64::from(bits & 0x3ff) / 1024.0;
-    let magnitude = match i32::from((bits >> 10) & 0x1f) {
-        0 => fraction * 2f64.powi(-14),
-        31 if fraction == 0.0 => f64::INFINITY,
-        31 => f64::NAN,
-        exponent => (1.0 + fraction) * 2f64.powi(exponent - 15),
-    };
-    if bits >> 15 == 1 { -magnitude } else { magnitude }
 }
