@@ -10,6 +10,7 @@ mod lenient;
 mod mesh;
 mod mesh_files;
 mod mesh_files_written;
+mod mesh_formats;
 mod repair;
 mod spectral;
 mod surface;

@@ -35,6 +35,7 @@ fn extension(format: MeshFormat) -> &'static str {
         MeshFormat::Off => "off",
         MeshFormat::Stl(_) => "stl",
         MeshFormat::Gltf(_) => "gltf",
+        other => panic!("{other:?} is for mesh_formats.rs"),
     }
 }
 
@@ -244,7 +245,7 @@ fn packed_files_are_read_and_gzipped_ones_written() {
     }
     let refused = write(create(&folder.path("a.ply.xz")), &file).unwrap_err();
     assert!(refused.to_string().contains("only be read"), "{refused}");
-    let unknown = write(create(&folder.path("a.vtk")), &file).unwrap_err();
+    let unknown = write(create(&folder.path("a.doc")), &file).unwrap_err();
     assert!(unknown.to_string().contains("unknown kind of mesh"), "{unknown}");
 
     // `v 0 0 0, v 1 0 0, v 0 1 0, f 1 2 3` by xz 5.4.

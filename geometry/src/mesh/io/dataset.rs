@@ -160,13 +160,17 @@ impl Dataset {
     /// Returns the values of the vertices alone.
     pub fn scalars(self) -> Vec<Scalars> {
         let columns = |a: Array| Scalars::columns(&a.name, a.width, &a.values);
-        self.arrays.into_iter().flat_map(columns).collect()
+        self.arrays.into_iter().filter(|a| !a.values.is_empty()).flat_map(columns).collect()
     }
 
     /// Returns the mesh with the values of its vertices.
     pub fn finish(mut self) -> Result<MeshFile> {
         let count = self.draft.vertices.len();
-        let fits = |array: &Array| array.width > 0 && array.values.len() == count * array.width;
+        let fits = |array: &Array| {
+            count > 0
+                && count.checked_mul(array.width) == Some(array.values.len())
+                && array.width > 0
+        };
         for array in self.arrays.iter().filter(|array| !fits(array)) {
             let what = "left out arrays without a value for each vertex";
             self.draft.notes.add(what, || array.name.clone());

@@ -172,7 +172,12 @@ pub(super) static FORMATS: [Description; 11] = [
         read: gifti::read,
         written: Some("single precision"),
         text: None,
-        stores: &[Stored::LoneVertices, Stored::Normals, Stored::Scalars],
+        stores: &[
+            Stored::LoneVertices,
+            Stored::Normals,
+            Stored::NormalsBesideColors,
+            Stored::Scalars,
+        ],
     },
     Description {
         title: "FreeSurfer",

@@ -98,7 +98,7 @@ impl Reader {
     fn add(&mut self, array: Raw<'_>, budget: &mut Budget<'_, '_>) -> Checked<()> {
         let values = array.values(budget)?;
         let rows = array.shape.first().copied().unwrap_or_default();
-        let width = values.len().checked_div(rows).unwrap_or_default();
+        let width = array.shape.iter().skip(1).fold(1, |width: usize, &n| width.saturating_mul(n));
         match (array.intent.as_str(), width) {
             ("NIFTI_INTENT_POINTSET", 3) if !self.has_points => {
                 self.has_points = true;

@@ -9,8 +9,8 @@ use catamaran::base::{Error, Result};
 
 impl MeshFile {
     /// Returns the file of a finer mesh. Colours, scalars, texture coordinates and normals of new
-    /// vertices are interpolated between those of the vertices around them, and each piece of a face has the
-    /// material, group and object of the face.
+    /// vertices are interpolated between those of the vertices around them, and each piece of a
+    /// face has the material, group and object of the face.
     ///
     /// ```
     /// use catamaran_geometry::mesh::{Refined, families, io::MeshFile};

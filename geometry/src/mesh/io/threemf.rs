@@ -23,6 +23,10 @@ use catamaran::io::Source;
 /// The kind of the relationship that names the model of an archive, without its name space.
 const MODEL: &str = "/3dmodel";
 
+/// Bytes of memory that an object in its place counts as, besides its vertices and faces: bounds the
+/// time that objects within objects take.
+const PLACE: usize = 1 << 10;
+
 /// Components within components, at most.
 const DEEPEST: usize = 64;
 
@@ -230,7 +234,7 @@ impl<'p, 's, 'a> Package<'p, 's, 'a> {
         let object = object.ok_or_else(|| format!("object {id} does not exist"))?;
         // Few objects can be many in their places, also when they are empty.
         let (vertices, faces) = (object.vertices.len(), object.faces.len());
-        let bytes = size_of::<Item>() + size_of::<[f64; 3]>() * vertices;
+        let bytes = PLACE + size_of::<[f64; 3]>() * vertices;
         self.budget.take(bytes.saturating_add(size_of::<[u32; 3]>() * faces))?;
         let base = draft.vertices.len();
         for (v, &position) in object.vertices.iter().enumerate() {

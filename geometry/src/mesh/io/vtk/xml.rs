@@ -67,12 +67,16 @@ impl<'a> Document<'a> {
             appended: None,
         };
         let mut pieces = 0;
+        let mut is_vtk = false;
         // The names of the arrays that are normals and texture coordinates.
         let mut roles: [Option<Cow<'a, str>>; 2] = [None, None];
         while let Some(event) = xml.next()? {
             match event {
                 Event::Start(tag) => match tag.name {
-                    b"VTKFile" => document.header(&tag)?,
+                    b"VTKFile" => {
+                        document.header(&tag)?;
+                        is_vtk = true;
+                    }
                     b"Piece" => pieces += 1,
                     b"PointData" => roles = [tag.get("Normals"), tag.get("TCoords")],
                     b"DataArray" | b"Array" => {
@@ -106,7 +110,7 @@ impl<'a> Document<'a> {
                 Event::End(_) => {}
             }
         }
-        Ok(document)
+        if is_vtk { Ok(document) } else { Err("has no <VTKFile>".into()) }
     }
 
     fn header(&mut self, tag: &Tag<'a>) -> Checked<()> {
