@@ -18,12 +18,13 @@ const XZ: &[u8] = b"\xfd7zXZ\0";
 
 /// Returns the packing of a file that begins with `head`; the name of the file says `named`.
 pub(super) fn packing(head: &[u8], named: Packing) -> Packing {
-    if head.starts_with(GZIP) {
+    // First, because a mesh may be an archive itself (3MF).
+    if format(head, None).is_some() {
+        Packing::None
+    } else if head.starts_with(GZIP) {
         Packing::Gzip
     } else if head.starts_with(XZ) {
         Packing::Xz
-    } else if format(head, None).is_some() {
-        Packing::None
     } else {
         named
     }
@@ -101,9 +102,11 @@ pub(super) fn is_gmsh(head: &Head<'_>) -> bool {
     line.starts_with(b"$MeshFormat") || line.starts_with(b"$NOD")
 }
 
-/// Other archives (zip) are refused by name.
+/// An archive (zip) that has a file of each package of this kind among its first.
 pub(super) fn is_threemf(head: &Head<'_>) -> bool {
-    head.bytes.starts_with(b"PK\x03\x04")
+    let has = |name: &[u8]| head.bytes.windows(name.len()).any(|bytes| bytes == name);
+    let names: [&[u8]; 3] = [b"[Content_Types].xml", b"_rels/.rels", b"3D/"];
+    head.bytes.starts_with(b"PK\x03\x04") && names.into_iter().any(has)
 }
 
 pub(super) fn is_ply(head: &Head<'_>) -> bool {
