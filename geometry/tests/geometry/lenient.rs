@@ -181,8 +181,11 @@ fn attributes_that_obj_lacks_are_left_out_and_positions_are_read() {
     let later = format!("{square}f 1//1 2//1 3//1\nvn 0 0 1\n");
     let file = read_bytes(later.as_bytes(), OBJ).unwrap();
     assert!(file.notes.is_empty() && file.normals.is_some());
-    // Numbers after positions that are no colour.
-    let text = square.replace("v 0 0 0", "v 0 0 0 1 1").replace("v 1 0 0", "v 1 0 0 1 2 3 4 5");
+    let broken = format!("{square}vn 0 0\nvt a\nf 1/1/1 2/1/1 3/1/1\n");
+    let said = read_bytes(broken.as_bytes(), OBJ).unwrap();
+    note(&said, "took 0 for numbers of normals and texture coordinates that are missing: 2");
+    // What follows positions and is no colour.
+    let text = square.replace("v 0 0 0", "v 0 0 0 1 1").replace("v 1 0 0", "v 1 0 0 1 2 x 4 5");
     let file = read_bytes(format!("{text}f 1 2 3\n").as_bytes(), OBJ).unwrap();
     assert!(file.colors.is_none());
     assert!(note(&file, "left out numbers after positions").ends_with(": 2, the first at line 1"));
@@ -363,7 +366,7 @@ fn off_is_read_with_counts_after_its_name_and_with_any_dimension() {
         with(format!("4OFF\n{vertices} {faces} 0\n"), &|row| format!("{row} 1.0")),
         with(format!("nOFF\n3\n{vertices} {faces} 0\n"), &same),
         with(format!("nOFF 3\n{vertices} {faces} 0\n"), &same),
-        with(format!("4nOFF 3\n{vertices} {faces} 0\n"), &|row| format!("{row} 1")),
+        with(format!("n4OFF 3\n{vertices} {faces} 0\n"), &|row| format!("{row} 1")),
     ] {
         assert!(whole(text.as_bytes(), OFF).notes.is_empty(), "{}", &text[..30]);
     }

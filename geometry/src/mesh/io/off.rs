@@ -91,22 +91,20 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
 pub(super) fn kind_of(word: &[u8]) -> Option<(Kind, usize)> {
     let end = word.windows(3).position(|part| part == b"OFF")?;
     let (mut prefix, digits) = (&word[..end], &word[end + 3..]);
-    let mut strip = |part: &[u8]| match prefix.strip_prefix(part) {
-        Some(rest) => {
-            prefix = rest;
-            true
-        }
-        None => false,
-    };
-    let kind = Kind {
-        uv: strip(b"ST"),
-        colors: strip(b"C"),
-        normals: strip(b"N"),
-        weighted: strip(b"4"),
-        dimensions: strip(b"n"),
-    };
-    let fits = prefix.is_empty() && digits.iter().all(u8::is_ascii_digit);
-    fits.then_some((kind, digits.len()))
+    let mut kind = Kind::default();
+    while !prefix.is_empty() {
+        let (flag, length) = match prefix {
+            [b'S', b'T', ..] => (&mut kind.uv, 2),
+            [b'C', ..] => (&mut kind.colors, 1),
+            [b'N', ..] => (&mut kind.normals, 1),
+            [b'4', ..] => (&mut kind.weighted, 1),
+            [b'n', ..] => (&mut kind.dimensions, 1),
+            _ => return None,
+        };
+        *flag = true;
+        prefix = &prefix[length..];
+    }
+    digits.iter().all(u8::is_ascii_digit).then_some((kind, digits.len()))
 }
 
 /// Reads the numbers of vertices and faces. The number of edges is ignored, and may be missing
