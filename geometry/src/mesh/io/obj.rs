@@ -153,8 +153,8 @@ impl Reader {
             given += 1;
             match (color.get_mut(given - 1), written.get_mut(given - 1), number(word)) {
                 (Some(x), Some(place), Ok(value)) => (*x, *place) = (value, word),
-                // No colour.
-                _ => given = color.len() + 1,
+                // No colour: these have 3 or 4 numbers.
+                _ => given = 5,
             }
         }
         match given {
