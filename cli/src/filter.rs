@@ -101,7 +101,8 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = at_least_one)]
     order: usize,
     /// Filter the functions in this table (a row for each vertex, a column for each function)
-    /// instead of the coordinates.
+    /// instead of the coordinates; or the values of vertices in a file of VTK, GIFTI, Gmsh or
+    /// FreeSurfer (.curv, .thickness and others).
     #[arg(long, value_name = "F")]
     functions: Option<PathBuf>,
     #[command(flatten)]

@@ -35,7 +35,7 @@ pub struct Args {
     input: PathBuf,
     #[arg(short, long, value_name = "FILE", help = output::mesh_help("Write the mesh"))]
     output: Option<PathBuf>,
-    /// Write .stl and .ply as text with every digit. Binary .stl has single precision, which moves
+    /// Write .stl, .ply and .vtk as text with every digit. Binary .stl has single precision, which moves
     /// vertices far from the origin.
     #[arg(long, requires = "output")]
     text: bool,
@@ -227,7 +227,7 @@ fn format(path: &Path, text: bool) -> Result<MeshFormat> {
     match format.as_text() {
         Some(as_text) if text => Ok(as_text),
         None if text => {
-            bail!("{}: --text: glTF has single precision as text, too", path.display())
+            bail!("{}: --text: this format has no text with every digit", path.display())
         }
         _ => Ok(format),
     }

@@ -210,10 +210,10 @@ fn vtp(encoding: &str, packed: bool, wide: bool) -> Vec<u8> {
     let body = format!(
         "<?xml version=\"1.0\"?>\n<!-- a cube -->\n<VTKFile type=\"PolyData\" version=\"1.0\" \
          byte_order=\"LittleEndian\"{header}{compressor}>\n<PolyData>\n\
-         <FieldData><DataArray Name=\"t\" type=\"Int8\" format=\"ascii\">1</DataArray></FieldData>\n\
+         <FieldData><DataArray Name=\"t\" type=\"Int8\">1</DataArray></FieldData>\n\
          <Piece NumberOfPoints=\"8\" NumberOfPolys=\"6\">\n<PointData Scalars=\"heat\">{heat}\
-         </PointData>\n<Points>{points}</Points>\n<Polys>{connectivity}{offsets}</Polys>\n</Piece>\n\
-         </PolyData>\n"
+         </PointData>\n<Points>{points}</Points>\n<Polys>{connectivity}{offsets}</Polys>\n\
+         </Piece>\n</PolyData>\n"
     );
     let mut bytes = body.into_bytes();
     if matches!(encoding, "raw" | "base64") {

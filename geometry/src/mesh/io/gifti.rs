@@ -166,6 +166,7 @@ impl<'a> Raw<'a> {
             "GZipBase64Binary" => {
                 let mut bytes = Vec::new();
                 let length = size.saturating_mul(self.kind.size());
+                budget.take_numbers(size)?;
                 budget.inflate(&from_base64(self.data)?, length, &mut bytes)?;
                 self.kind.numbers(&bytes, self.is_big)?
             }

@@ -286,7 +286,7 @@ impl Reader<'_, '_> {
         }
         // A value for each vertex, whatever the file gives.
         let length = self.dataset.draft.vertices.len().saturating_mul(width);
-        self.budget.take(length.saturating_mul(size_of::<f64>()))?;
+        self.budget.take_numbers(length)?;
         let mut values = reserved(length)?;
         values.resize(length, f64::NAN);
         for _ in 0..count {

@@ -144,6 +144,11 @@ impl<'s, 'a> Budget<'s, 'a> {
         Ok(self.source.check_memory::<u8>("what it unpacks to", self.taken)?)
     }
 
+    /// Takes the memory of so many numbers.
+    pub fn take_numbers(&mut self, count: usize) -> Checked<()> {
+        self.take(count.saturating_mul(size_of::<f64>()))
+    }
+
     /// Appends to `out` what a stream of zlib or gzip unpacks to, which is `size` bytes.
     pub fn inflate(&mut self, packed: &[u8], size: usize, out: &mut Vec<u8>) -> Checked<()> {
         self.take(size)?;

@@ -23,8 +23,8 @@ use catamaran::io::Source;
 /// The kind of the relationship that names the model of an archive, without its name space.
 const MODEL: &str = "/3dmodel";
 
-/// Bytes of memory that an object in its place counts as, besides its vertices and faces: bounds the
-/// time that objects within objects take.
+/// Bytes of memory that an object in its place counts as, besides its vertices and faces: bounds
+/// the time that objects within objects take.
 const PLACE: usize = 1 << 10;
 
 /// Components within components, at most.

@@ -227,7 +227,9 @@ impl<'a> Document<'a> {
             }
         };
         let kind = raw.kind.ok_or("is not of numbers")?;
-        kind.numbers(&self.unpacked(stored, budget)?, self.is_big)
+        let bytes = self.unpacked(stored, budget)?;
+        budget.take_numbers(bytes.len() / kind.size())?;
+        kind.numbers(&bytes, self.is_big)
     }
 
     /// Returns the bytes of numbers, which a header comes before.
