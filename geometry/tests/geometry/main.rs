@@ -6,6 +6,7 @@ mod decimate;
 mod decimate_families;
 mod gltf_scenes;
 mod laplacian;
+mod lenient;
 mod mesh;
 mod mesh_files;
 mod mesh_files_written;

@@ -29,8 +29,7 @@ Path = Union[str, "os.PathLike[str]"]
 
 
 def read_mesh(path: Path, *, attributes: bool = False) -> Any:
-    """Read a mesh: .obj, .ply, .off, .stl, .glb, .gltf, .vtk, .vtp, .vtu, .gii, .msh, .3mf or a
-    surface of FreeSurfer (.white, .pial and others), each also with .gz after it.
+    """Read a mesh, in a format of docs/guide/mesh-files.md, also with .gz or .xz after it.
 
     Parameters
     ----------

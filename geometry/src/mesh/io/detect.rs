@@ -18,12 +18,13 @@ const XZ: &[u8] = b"\xfd7zXZ\0";
 
 /// Returns the packing of a file that begins with `head`; the name of the file says `named`.
 pub(super) fn packing(head: &[u8], named: Packing) -> Packing {
-    if head.starts_with(GZIP) {
+    // First, because a mesh may be an archive itself (3MF).
+    if format(head, None).is_some() {
+        Packing::None
+    } else if head.starts_with(GZIP) {
         Packing::Gzip
     } else if head.starts_with(XZ) {
         Packing::Xz
-    } else if format(head, None).is_some() {
-        Packing::None
     } else {
         named
     }
@@ -43,20 +44,18 @@ impl<'a> Head<'a> {
         Self { bytes: &bytes[..bytes.len().min(LOOK)], size }
     }
 
-    /// Returns the words of each line, without comments after a #. Lines without words, and a last
-    /// line that may be incomplete, are left out.
-    fn lines(&self) -> impl Iterator<Item = Vec<&'a [u8]>> {
+    /// Returns the lines that have words, without comments after a #. A last line that may be
+    /// incomplete is left out.
+    fn lines(&self) -> impl Iterator<Item = &'a [u8]> {
         let text = self.bytes;
         let is_end = |byte: &u8| matches!(byte, b'\n' | b'\r');
         let end = match text.len() {
             LOOK.. => text.iter().rposition(is_end).unwrap_or_default(),
             length => length,
         };
-        let lines = text[..end].split(is_end).map(|line: &'a [u8]| {
-            let bare = line.split(|&byte| byte == b'#').next().unwrap_or_default();
-            words(bare).collect::<Vec<_>>()
-        });
-        lines.filter(|line| !line.is_empty())
+        let lines = text[..end].split(is_end);
+        let bare = lines.filter_map(|line| line.split(|&byte| byte == b'#').next());
+        bare.filter(|line| !line.trim_ascii().is_empty())
     }
 }
 
@@ -103,9 +102,11 @@ pub(super) fn is_gmsh(head: &Head<'_>) -> bool {
     line.starts_with(b"$MeshFormat") || line.starts_with(b"$NOD")
 }
 
-/// Other archives (zip) are refused by name.
+/// An archive (zip) that has a file of each package of this kind among its first.
 pub(super) fn is_threemf(head: &Head<'_>) -> bool {
-    head.bytes.starts_with(b"PK\x03\x04")
+    let has = |name: &[u8]| head.bytes.windows(name.len()).any(|bytes| bytes == name);
+    let names: [&[u8]; 3] = [b"[Content_Types].xml", b"_rels/.rels", b"3D/"];
+    head.bytes.starts_with(b"PK\x03\x04") && names.into_iter().any(has)
 }
 
 pub(super) fn is_ply(head: &Head<'_>) -> bool {
@@ -113,7 +114,8 @@ pub(super) fn is_ply(head: &Head<'_>) -> bool {
 }
 
 pub(super) fn is_off(head: &Head<'_>) -> bool {
-    head.lines().next().is_some_and(|line| off::kind_of(line[0]).is_some())
+    let first = head.lines().next().and_then(|line| words(line).next());
+    first.is_some_and(|word| off::kind_of(word).is_some())
 }
 
 /// Text has a line that begins a facet. The header of a binary file is arbitrary text, so its size
@@ -123,20 +125,22 @@ pub(super) fn is_stl(head: &Head<'_>) -> bool {
     let expected = count.map(|&bytes| 84 + 50 * u64::from(u32::from_le_bytes(bytes)));
     let mut lines = head.lines().skip_while(|line| !begins(line, b"solid"));
     (expected.is_some() && expected == head.size)
-        || lines.any(|line| begins(&line, b"facet") || begins(&line, b"endsolid"))
+        || lines.any(|line| begins(line, b"facet") || begins(line, b"endsolid"))
 }
 
 /// Returns whether the first word of a line is this one, in upper or lower case.
-fn begins(line: &[&[u8]], word: &[u8]) -> bool {
-    line[0].eq_ignore_ascii_case(word)
+fn begins(line: &[u8], word: &[u8]) -> bool {
+    words(line).next().is_some_and(|first| first.eq_ignore_ascii_case(word))
 }
 
 pub(super) fn is_obj(head: &Head<'_>) -> bool {
     let (mut known, mut unknown) = (0, 0);
     let mut vertices = false;
     for line in head.lines() {
-        let is_statement = match line[0] {
-            b"v" | b"vt" | b"vn" => line.get(1).is_some_and(|word| number(word).is_ok()),
+        let mut words = words(line);
+        let keyword = words.next().unwrap_or_default();
+        let is_statement = match keyword {
+            b"v" | b"vt" | b"vn" => words.next().is_some_and(|word| number(word).is_ok()),
             b"f" | b"g" | b"o" | b"s" | b"l" | b"p" | b"mtllib" | b"usemtl" => true,
             _ => false,
         };
@@ -145,7 +149,7 @@ pub(super) fn is_obj(head: &Head<'_>) -> bool {
         } else {
             unknown += 1
         }
-        vertices |= line[0] == b"v";
+        vertices |= keyword == b"v";
     }
     vertices && known >= LEAST_KNOWN * unknown
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 use super::super::TriMesh;
 use super::attributes::MeshFile;
 use super::colors::{byte, nearest_byte};
-use super::formats::{Description, FORMATS, Stored, endings, titles};
+use super::formats::{Description, FORMATS, Stored, endings};
 use super::gltf::GltfEncoding;
 use super::ply::PlyEncoding;
 use super::stl::StlEncoding;
@@ -83,17 +83,6 @@ impl MeshFormat {
         endings(true)
     }
 
-    /// Returns the names of the formats that can be read, such as "OBJ, PLY or glTF".
-    ///
-    /// ```
-    /// use catamaran_geometry::mesh::io::MeshFormat;
-    ///
-    /// assert!(MeshFormat::names().starts_with("OBJ, PLY, "));
-    /// ```
-    pub fn names() -> String {
-        titles()
-    }
-
     /// Returns the format that the name of a file to be written implies; the name may end in a
     /// packing (`.gz`).
     ///
@@ -109,7 +98,7 @@ impl MeshFormat {
     /// [`Error::Io`] for a name that implies no format.
     pub fn of(path: &Path) -> Result<Self> {
         let what = match Self::named(path).0 {
-            Some(format) if format.description().is_written => return Ok(format),
+            Some(format) if format.description().written.is_some() => return Ok(format),
             Some(format) => format!("{} files can only be read", format.title()),
             None => "unknown kind of mesh".into(),
         };

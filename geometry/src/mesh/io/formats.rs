@@ -28,6 +28,24 @@ pub(super) enum Stored {
     Scalars,
 }
 
+impl Stored {
+    /// Returns the words of the guide; `None` for what the words of another one imply.
+    fn words(self) -> Option<&'static str> {
+        Some(match self {
+            Self::LoneVertices => "vertices without a face",
+            Self::Uv => "texture coordinates",
+            Self::Normals => "normals of vertices",
+            Self::NormalsBesideColors => return None,
+            Self::CornerNormals => "normals of corners",
+            Self::Colors => "colours",
+            Self::Materials => "names of materials",
+            Self::MaterialFiles => "files of materials",
+            Self::Groups => "groups and objects",
+            Self::Scalars => "functions on vertices",
+        })
+    }
+}
+
 /// A format of mesh files.
 pub(super) struct Description {
     /// Its name in messages.
@@ -38,12 +56,14 @@ pub(super) struct Description {
     /// Returns whether a file that begins so has this format.
     pub fits: fn(&Head<'_>) -> bool,
     pub read: fn(&mut Source<'_>) -> Result<MeshFile>,
-    /// Whether [`write()`](super::write()) knows the format.
-    pub is_written: bool,
+    /// What a file keeps of the coordinates; `None` for a format that is only read.
+    pub written: Option<&'static str>,
     /// The encoding that has every digit as text.
     pub text: Option<MeshFormat>,
     pub stores: &'static [Stored],
 }
+
+const EVERY_DIGIT: &str = "every digit";
 
 /// The formats. A file has the last one that it fits: those whose content may be taken for another
 /// format come first.
@@ -53,7 +73,7 @@ pub(super) static FORMATS: [Description; 11] = [
         endings: &[("obj", MeshFormat::Obj)],
         fits: detect::is_obj,
         read: obj::read,
-        is_written: true,
+        written: Some(EVERY_DIGIT),
         text: Some(MeshFormat::Obj),
         stores: &[
             Stored::LoneVertices,
@@ -72,7 +92,7 @@ pub(super) static FORMATS: [Description; 11] = [
         endings: &[("ply", MeshFormat::Ply(PlyEncoding::LittleEndian))],
         fits: detect::is_ply,
         read: ply::read,
-        is_written: true,
+        written: Some(EVERY_DIGIT),
         text: Some(MeshFormat::Ply(PlyEncoding::Ascii)),
         stores: &[
             Stored::LoneVertices,
@@ -87,7 +107,7 @@ pub(super) static FORMATS: [Description; 11] = [
         endings: &[("off", MeshFormat::Off)],
         fits: detect::is_off,
         read: off::read,
-        is_written: true,
+        written: Some(EVERY_DIGIT),
         text: Some(MeshFormat::Off),
         stores: &[Stored::LoneVertices, Stored::Normals, Stored::Colors],
     },
@@ -96,7 +116,7 @@ pub(super) static FORMATS: [Description; 11] = [
         endings: &[("stl", MeshFormat::Stl(StlEncoding::Binary))],
         fits: detect::is_stl,
         read: stl::read,
-        is_written: true,
+        written: Some("single precision; every digit with `mesh --text`"),
         text: Some(MeshFormat::Stl(StlEncoding::Ascii)),
         stores: &[],
     },
@@ -108,7 +128,7 @@ pub(super) static FORMATS: [Description; 11] = [
         ],
         fits: detect::is_gltf,
         read: gltf::read,
-        is_written: true,
+        written: Some("single precision, from the middle of the mesh"),
         text: None,
         stores: &[
             Stored::LoneVertices,
@@ -125,7 +145,7 @@ pub(super) static FORMATS: [Description; 11] = [
         endings: &[("vtk", MeshFormat::Vtk(VtkEncoding::Binary))],
         fits: detect::is_vtk,
         read: vtk::read_legacy,
-        is_written: true,
+        written: Some(EVERY_DIGIT),
         text: Some(MeshFormat::Vtk(VtkEncoding::Ascii)),
         stores: &[
             Stored::LoneVertices,
@@ -141,7 +161,7 @@ pub(super) static FORMATS: [Description; 11] = [
         endings: &[("vtp", MeshFormat::VtkXml), ("vtu", MeshFormat::VtkXml)],
         fits: detect::is_vtk_xml,
         read: vtk::read_xml,
-        is_written: false,
+        written: None,
         text: None,
         stores: &[],
     },
@@ -150,7 +170,7 @@ pub(super) static FORMATS: [Description; 11] = [
         endings: &[("gii", MeshFormat::Gifti)],
         fits: detect::is_gifti,
         read: gifti::read,
-        is_written: true,
+        written: Some("single precision"),
         text: None,
         stores: &[
             Stored::LoneVertices,
@@ -170,7 +190,7 @@ pub(super) static FORMATS: [Description; 11] = [
         ],
         fits: detect::is_freesurfer,
         read: freesurfer::read,
-        is_written: false,
+        written: None,
         text: None,
         stores: &[],
     },
@@ -179,7 +199,7 @@ pub(super) static FORMATS: [Description; 11] = [
         endings: &[("msh", MeshFormat::Gmsh)],
         fits: detect::is_gmsh,
         read: gmsh::read,
-        is_written: false,
+        written: None,
         text: None,
         stores: &[],
     },
@@ -188,7 +208,7 @@ pub(super) static FORMATS: [Description; 11] = [
         endings: &[("3mf", MeshFormat::ThreeMf)],
         fits: detect::is_threemf,
         read: threemf::read,
-        is_written: true,
+        written: Some(EVERY_DIGIT),
         text: Some(MeshFormat::ThreeMf),
         stores: &[Stored::LoneVertices],
     },
@@ -202,8 +222,29 @@ pub(super) fn titles() -> String {
 /// Returns the endings of the files that are read or, with `written`, those that are written, such
 /// as ".obj, .ply or .glb".
 pub(super) fn endings(written: bool) -> String {
-    let formats = FORMATS.iter().filter(|format| format.is_written || !written);
+    let formats = FORMATS.iter().filter(|format| format.written.is_some() || !written);
     in_words(formats.flat_map(|format| format.endings).map(|(ending, _)| format!(".{ending}")))
+}
+
+/// Returns the rows of the table of the guide, in Markdown.
+pub(super) fn rows() -> String {
+    let row = |format: &Description| {
+        let endings = format.endings.iter().map(|(ending, _)| format!("`.{ending}`"));
+        let endings = endings.collect::<Vec<_>>().join(", ");
+        let stored = format.stores.iter().filter_map(|stored| stored.words());
+        let stored = stored.collect::<Vec<_>>().join(", ");
+        let stored = match format.written {
+            Some(_) if stored.is_empty() => "nothing",
+            _ => &stored,
+        };
+        let has = |what| format.stores.contains(&what);
+        let alone =
+            has(Stored::Normals) && has(Stored::Colors) && !has(Stored::NormalsBesideColors);
+        let instead = if alone { ", the normals only without colours" } else { "" };
+        let written = format.written.unwrap_or("read only");
+        format!("| {} | {endings} | {written} | {stored}{instead} |\n", format.title)
+    };
+    FORMATS.iter().map(row).collect()
 }
 
 /// Returns a list with "or" before the last item.

@@ -125,6 +125,9 @@ pub fn read(path: &Path) -> Result<MeshFile> {
 /// # Errors
 /// As those of [`read()`], and [`Error::Cancelled`].
 pub fn read_with(path: &Path, options: &SourceOptions<'_>) -> Result<MeshFile> {
+    if path.metadata().is_ok_and(|about| about.is_file() && about.len() == 0) {
+        return Err(empty(path));
+    }
     let (named, named_packing) = MeshFormat::named(path);
     let packing = |head: &[u8]| detect::packing(head, named_packing);
     let mut source = Source::open_packed(path, packing, options)?;
@@ -165,6 +168,13 @@ pub fn read_with(path: &Path, options: &SourceOptions<'_>) -> Result<MeshFile> {
     let mut file = read_source(&mut source, format, path)?;
     notes.append(&mut file.notes);
     Ok(MeshFile { notes, ..file })
+}
+
+/// Returns the rows of the table of formats in the guide, in Markdown: name, endings, coordinates
+/// and what else is stored.
+#[doc(hidden)]
+pub fn rows_of_guide() -> String {
+    formats::rows()
 }
 
 /// Reads the values of vertices in the file at `path`: those of a mesh, of a GIFTI file without a
@@ -265,17 +275,13 @@ fn usual_name(format: MeshFormat) -> PathBuf {
 fn read_source(source: &mut Source<'_>, format: MeshFormat, path: &Path) -> Result<MeshFile> {
     // Text of other encodings and line ends is rewritten; it is rare, so memory matters less.
     let unusual = source.fill_buf().map(|head| {
-        (
-            head.starts_with(b"\xff\xfe") || head.starts_with(b"\xfe\xff"),
-            text::ends_in_returns(head),
-        )
+        let start = &head[..head.len().min(8)];
+        (text::of_utf16(start).is_some(), text::ends_in_returns(head))
     });
     let (is_utf16, ends_in_returns) = unusual.map_err(|e| source.io_error(e))?;
     if is_utf16 || ends_in_returns {
-        let mut bytes = source.read_all()?;
-        if is_utf16 {
-            bytes = text::of_utf16(&bytes).unwrap_or(bytes);
-        }
+        let bytes = source.read_all()?;
+        let mut bytes = text::of_utf16(&bytes).unwrap_or(bytes);
         if text::ends_in_returns(&bytes) {
             text::returns_to_feeds(&mut bytes);
         }

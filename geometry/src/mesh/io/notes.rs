@@ -14,8 +14,8 @@ struct Kind {
 }
 
 impl Notes {
-    /// Counts one more note of a kind; `place` is called for the first of its kind only. Its text is
-    /// empty where the note tells the place.
+    /// Counts one more note of a kind; `place` is called for the first of its kind only. It returns
+    /// nothing where the note tells the place.
     pub fn add(&mut self, what: impl Into<Cow<'static, str>>, place: impl FnOnce() -> String) {
         self.add_many(what, 1, place);
     }

@@ -150,10 +150,12 @@ impl Reader {
         let mut written = [&[][..]; 4];
         let mut given = 0;
         for word in words {
-            if let (Some(x), Some(place)) = (color.get_mut(given), written.get_mut(given)) {
-                (*x, *place) = (number(word)?, word);
-            }
             given += 1;
+            match (color.get_mut(given - 1), written.get_mut(given - 1), number(word)) {
+                (Some(x), Some(place), Ok(value)) => (*x, *place) = (value, word),
+                // No colour: these have 3 or 4 numbers.
+                _ => given = 5,
+            }
         }
         match given {
             // A fourth number is a weight, which only curves use.
@@ -367,12 +369,17 @@ impl<const N: usize> Values<N> {
     ) -> Checked<()> {
         let mut value = [0.0; N];
         let needed = if N == 2 { 1 } else { N };
+        let mut is_whole = true;
         for (i, x) in value.iter_mut().enumerate() {
-            match words.next() {
-                Some(word) => *x = number(word)?,
+            match words.next().map(number) {
+                Some(Ok(given)) => *x = given,
                 None if i >= needed => {}
-                None => return Err(format!("{i} numbers where {needed} are needed").into()),
+                _ => is_whole = false,
             }
+        }
+        if !is_whole {
+            let what = "took 0 for numbers of normals and texture coordinates that are missing";
+            draft.notes.add(what, || format!("line {line}"));
         }
         let value = draft.finite(value, || format!("line {line}"));
         Ok(push(&mut self.values, value)?)

@@ -39,9 +39,9 @@ impl<'s, 'a> Tokens<'s, 'a> {
         self.line.get(self.taken..).unwrap_or_default()
     }
 
-    /// Returns the number of words left on the line, at most `COLOR + 3`.
+    /// Returns the number of words left on the line, at most [`MOST_LEFT`].
     fn left(&self) -> usize {
-        words(self.rest()).take(COLOR + 3).count()
+        words(self.rest()).take(MOST_LEFT).count()
     }
 
     /// Moves to the next line that has words; returns false at the end of the file.
@@ -91,22 +91,20 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
 pub(super) fn kind_of(word: &[u8]) -> Option<(Kind, usize)> {
     let end = word.windows(3).position(|part| part == b"OFF")?;
     let (mut prefix, digits) = (&word[..end], &word[end + 3..]);
-    let mut strip = |part: &[u8]| match prefix.strip_prefix(part) {
-        Some(rest) => {
-            prefix = rest;
-            true
-        }
-        None => false,
-    };
-    let kind = Kind {
-        uv: strip(b"ST"),
-        colors: strip(b"C"),
-        normals: strip(b"N"),
-        weighted: strip(b"4"),
-        dimensions: strip(b"n"),
-    };
-    let fits = prefix.is_empty() && digits.iter().all(u8::is_ascii_digit);
-    fits.then_some((kind, digits.len()))
+    let mut kind = Kind::default();
+    while !prefix.is_empty() {
+        let (flag, length) = match prefix {
+            [b'S', b'T', ..] => (&mut kind.uv, 2),
+            [b'C', ..] => (&mut kind.colors, 1),
+            [b'N', ..] => (&mut kind.normals, 1),
+            [b'4', ..] => (&mut kind.weighted, 1),
+            [b'n', ..] => (&mut kind.dimensions, 1),
+            _ => return None,
+        };
+        *flag = true;
+        prefix = &prefix[length..];
+    }
+    digits.iter().all(u8::is_ascii_digit).then_some((kind, digits.len()))
 }
 
 /// Reads the numbers of vertices and faces. The number of edges is ignored, and may be missing
@@ -124,6 +122,9 @@ fn counts(tokens: &mut Tokens<'_, '_>) -> Checked<[usize; 2]> {
 
 /// Largest number of components of a colour.
 const COLOR: usize = 4;
+
+/// Words of a line that are counted: those of two vertices with all attributes.
+const MOST_LEFT: usize = 32;
 
 #[derive(Default)]
 struct Reader {
@@ -213,34 +214,41 @@ impl Reader {
             push(&mut self.normals, normal)?;
         }
         let uv = if self.kind.uv { 2 } else { 0 };
-        self.packed |= tokens.left() > COLOR + uv;
         let least = uv + if self.kind.colors { 3 } else { 0 };
-        // Texture coordinates come last, so one more number is the opacity. Some programs write
-        // colours without the prefix.
-        let given = if self.packed { least } else { tokens.left().max(least) };
-        let color = given - uv;
+        let numbers = self.dimensions
+            + usize::from(self.kind.weighted)
+            + if self.kind.normals { 3 } else { 0 };
+        let left = tokens.left();
+        self.packed |= left > COLOR + uv && left >= least + numbers + least;
+        // Some programs write colours without the prefix. Texture coordinates come after them, so
+        // one number more is the opacity.
+        let left = if self.packed { least } else { left.max(least) };
+        let color = match left - uv {
+            0..3 => 0,
+            3 => 3,
+            _ => COLOR,
+        };
         let mut rest = [0.0; COLOR + 2];
-        for (i, value) in rest.iter_mut().take(given).enumerate() {
+        for (i, value) in rest.iter_mut().take(color + uv).enumerate() {
             let word = tokens.next(what)?;
             *value = number(word)?;
-            if i < color && color > 2 {
+            if i < color {
                 self.colors.see(word);
             }
         }
+        if left > color + uv {
+            self.draft.notes.add("left out numbers after the others, of vertices", place);
+            tokens.taken = tokens.line.len();
+        }
         let rest = self.draft.finite(rest, place);
-        // One or two numbers more are no colour, and follow the others.
-        let (color, uv) = match color {
-            1 | 2 => (&rest[uv..given], &rest[..uv]),
-            _ => rest[..given].split_at(color),
-        };
+        let (color, uv) = rest[..color + uv].split_at(color);
         match *color {
-            [] => {}
             [r, g, b] => push(&mut self.colors.values, [r, g, b, 1.0])?,
             [r, g, b, a] => {
                 self.colors.has_opacity = true;
                 push(&mut self.colors.values, [r, g, b, a])?;
             }
-            _ => self.draft.notes.add("left out numbers after the others, of vertices", place),
+            _ => {}
         }
         if let [u, v] = *uv {
             push(&mut self.uv, [u, v])?;

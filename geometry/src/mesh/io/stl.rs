@@ -29,7 +29,8 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
     let start = source.fill_buf().map(|start| &start[..start.len().min(LOOK)]);
     // Binary files may begin with the word solid, too, and text with comments.
     let is_text = start.map(|start| {
-        let text = |&byte: &u8| matches!(byte, b'\t'..=b'\r' | b' '..=b'~' | 0x80..);
+        // A file of DOS may end in Ctrl-Z.
+        let text = |&byte: &u8| matches!(byte, b'\t'..=b'\r' | 0x1a | b' '..=b'~' | 0x80..);
         start.iter().all(text)
     });
     let mut soup = Soup::default();

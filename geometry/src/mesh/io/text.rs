@@ -10,8 +10,9 @@ pub(super) fn of_utf16(bytes: &[u8]) -> Option<Vec<u8>> {
         [0xfe, 0xff, ..] => u16::from_be_bytes,
         _ => return None,
     };
-    let (units, _) = bytes[2..].as_chunks::<2>();
+    let (units, _) = bytes.as_chunks::<2>();
     let text = char::decode_utf16(units.iter().map(|&bytes| unit(bytes)));
+    // The mark stays, which readers of UTF-8 skip.
     let text: String = text.map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect();
     Some(text.into_bytes())
 }

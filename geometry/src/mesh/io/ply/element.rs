@@ -8,18 +8,22 @@ pub(super) use super::super::stored::Kind as Type;
 impl Type {
     /// Parses the name of a type, also of those that programs take over from NumPy.
     pub fn parse(word: &[u8]) -> Checked<Self> {
-        Ok(match word {
-            b"char" | b"int8" => Self::I8,
-            b"uchar" | b"uint8" | b"bool" => Self::U8,
-            b"short" | b"int16" => Self::I16,
-            b"ushort" | b"uint16" => Self::U16,
-            b"int" | b"int32" => Self::I32,
-            b"uint" | b"uint32" => Self::U32,
-            b"int64" | b"longlong" => Self::I64,
-            b"uint64" | b"ulonglong" => Self::U64,
-            b"float16" | b"half" => Self::F16,
-            b"float" | b"float32" | b"single" => Self::F32,
-            b"double" | b"float64" => Self::F64,
+        let name = match word {
+            [b'<' | b'>' | b'=' | b'|', name @ ..] => name,
+            name => name,
+        };
+        Ok(match name {
+            b"char" | b"int8" | b"i1" => Self::I8,
+            b"uchar" | b"uint8" | b"u1" | b"bool" | b"b1" => Self::U8,
+            b"short" | b"int16" | b"i2" => Self::I16,
+            b"ushort" | b"uint16" | b"u2" => Self::U16,
+            b"int" | b"int32" | b"i4" => Self::I32,
+            b"uint" | b"uint32" | b"u4" => Self::U32,
+            b"int64" | b"longlong" | b"i8" => Self::I64,
+            b"uint64" | b"ulonglong" | b"u8" => Self::U64,
+            b"float16" | b"half" | b"f2" => Self::F16,
+            b"float" | b"float32" | b"single" | b"f4" => Self::F32,
+            b"double" | b"float64" | b"f8" => Self::F64,
             _ => return Err(format!("unknown type {}", quoted(word)).into()),
         })
     }
