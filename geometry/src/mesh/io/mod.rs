@@ -187,7 +187,7 @@ pub fn rows_of_guide() -> String {
 /// # let folder = tempfile::tempdir().unwrap();
 /// let path = &folder.path().join("lh.thickness");
 /// // The number of vertices, of faces, and of values of a vertex.
-/// let head = [&[255; 3][..], &[0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 1]].concat();
+/// let head = [&[255u8; 3][..], &[0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 1]].concat();
 /// std::fs::write(path, [head, [2.5f32, 3.0].map(f32::to_be_bytes).concat()].concat()).unwrap();
 /// let thickness = &read_scalars(path)?[0];
 /// assert_eq!((&thickness.name[..], &thickness.values[..]), ("thickness", &[2.5, 3.0][..]));
