@@ -138,7 +138,7 @@ impl<'s, 'a> Budget<'s, 'a> {
         Self { source, taken: 0 }
     }
 
-    /// Takes more bytes, or returns an error that says of how many the file would take memory.
+    /// Takes more bytes, or returns an error that says how many the file would take.
     pub fn take(&mut self, bytes: usize) -> Checked<()> {
         self.taken = self.taken.saturating_add(bytes);
         Ok(self.source.check_memory::<u8>("what it unpacks to", self.taken)?)
