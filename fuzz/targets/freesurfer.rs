@@ -1,5 +1,5 @@
-//! Any bytes as a surface of FreeSurfer, or as another mesh if they begin like one: a mesh or an error,
-//! and a mesh that can be looked at.
+//! Any bytes as a surface of FreeSurfer, or as another mesh if they begin like one: a mesh or an
+//! error, and a mesh that can be looked at.
 #![no_main]
 
 use catamaran_fuzz::{file, source_options};

@@ -110,6 +110,15 @@ fn legacy_vtk_is_read_in_each_form() {
     );
     is_cube(offsets.as_bytes(), VTK, "offsets");
 
+    // Texts before the points.
+    let texts = "DATASET POLYDATA\nFIELD FieldData 1\nnames 1 2 string\n";
+    let named = format!("{}{texts}a b\n\n{points}POLYGONS 6 30\n{sides}", head("ASCII"));
+    is_cube(named.as_bytes(), VTK, "texts");
+    let mut named = (head("BINARY") + texts).into_bytes();
+    named.extend([0xc1, b'a', 0x80, 0x02, b'b', b'c']);
+    named.extend(b"\nPOINTS 0 float\n\n");
+    assert!(read_bytes(&named, VTK).unwrap().notes.is_empty());
+
     let mut binary = (head("BINARY") + "DATASET POLYDATA\nPOINTS 8 float\n").into_bytes();
     binary.extend(big(corners().into_flattened(), |x| (x as f32).to_be_bytes()));
     binary.extend(b"\nPOLYGONS 6 30\n");

@@ -300,6 +300,10 @@ impl Reader<'_> {
             };
             let (width, rows) = (operand_count(line, 1)?, operand_count(line, 2)?);
             let kind = operand(line, 3)?;
+            if kind.eq_ignore_ascii_case(b"string") {
+                self.skip_texts(width.saturating_mul(rows))?;
+                continue;
+            }
             let Some((stored, _)) = Self::kind(kind) else {
                 self.stop(line);
                 return Ok(false);
@@ -310,6 +314,29 @@ impl Reader<'_> {
             }
         }
         Ok(true)
+    }
+
+    /// Skips texts: lines or, in a binary file, bytes after their number, whose first two bits say
+    /// how long it is.
+    fn skip_texts(&mut self, count: usize) -> Checked<()> {
+        let what = "a text";
+        for _ in 0..count {
+            if !self.is_binary {
+                self.cursor.line().ok_or("truncated: the file ends before a text")?;
+                continue;
+            }
+            let first = self.cursor.bytes(1, what)?[0];
+            let more = match first >> 6 {
+                3 => 0,
+                2 => 1,
+                1 => 3,
+                _ => 7,
+            };
+            let rest = self.cursor.bytes(more, what)?.iter();
+            let length = rest.fold(u64::from(first & 0x3f), |n, &byte| (n << 8) | u64::from(byte));
+            self.cursor.bytes(usize::try_from(length).unwrap_or(usize::MAX), what)?;
+        }
+        Ok(())
     }
 
     /// Skips information about an array: lines up to a blank one.
