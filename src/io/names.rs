@@ -91,8 +91,8 @@ impl FileFormat {
         let named = Self::of_name(path);
         let (_, packing) = Packing::of(&lower_name(path));
         let of_content = |head: &[u8]| match packing {
-            Packing::None => Packing::of_content(head).checked(head),
-            packing => packing.checked(head),
+            Packing::None => Packing::of_content(head),
+            packing => packing,
         };
         let mut source = Source::open_packed(path, of_content, options)?;
         let format = match given.or(named.map(|(format, _)| format)) {

@@ -46,15 +46,9 @@ impl Packing {
         }
     }
 
-    /// Returns the packing, or refuses the first bytes of a file that is not packed so.
-    #[doc(hidden)]
-    pub fn checked(self, head: &[u8]) -> io::Result<Self> {
-        self.check(head).map(|()| self)
-    }
-
     /// Refuses the first bytes of a file that is not packed so: packed by another program, or not
     /// packed at all.
-    fn check(self, head: &[u8]) -> io::Result<()> {
+    pub(super) fn check(self, head: &[u8]) -> io::Result<()> {
         let is_other = |(at, magic, _): &&(usize, &[u8], &str)| {
             head.get(*at..).is_some_and(|head| head.starts_with(magic))
         };

@@ -36,14 +36,14 @@ impl<'a> Source<'a> {
     /// # Errors
     /// [`Error::Io`] where the file can't be opened or unpacked.
     pub fn open(path: &Path, packing: Packing, options: &SourceOptions<'a>) -> Result<Self> {
-        Self::open_packed(path, |head| packing.checked(head), options)
+        Self::open_packed(path, |_| packing, options)
     }
 
-    /// Opens a file, packed as `packing` concludes from the first bytes, which it may refuse.
+    /// Opens a file, packed as `packing` concludes from the first bytes.
     #[doc(hidden)]
     pub fn open_packed(
         path: &Path,
-        packing: impl FnOnce(&[u8]) -> io::Result<Packing>,
+        packing: impl FnOnce(&[u8]) -> Packing,
         options: &SourceOptions<'a>,
     ) -> Result<Self> {
         let progress = options.progress;
@@ -64,7 +64,8 @@ impl<'a> Source<'a> {
         let size = watched.size;
         let mut raw = BufReader::with_capacity(buffer, watched);
         let head = raw.fill_buf().map_err(|e| error_at(path, None, e))?;
-        let packing = packing(head).map_err(|e| error_at(path, None, e))?;
+        let packing = packing(head);
+        packing.check(head).map_err(|e| error_at(path, None, e))?;
         let reader: Box<dyn BufRead + 'a> = match packing {
             Packing::None => Box::new(raw),
             Packing::Gzip => {

@@ -17,22 +17,17 @@ const GZIP: &[u8] = b"\x1f\x8b";
 const XZ: &[u8] = b"\xfd7zXZ\0";
 
 /// Returns the packing of a file that begins with `head`; the name of the file says `named`.
-///
-/// # Errors
-/// For a file that is packed in a way that is not supported.
-pub(super) fn packing(head: &[u8], named: Packing) -> std::io::Result<Packing> {
+pub(super) fn packing(head: &[u8], named: Packing) -> Packing {
     // First, because a mesh may be an archive itself (3MF).
     if format(head, None).is_some() {
-        return Ok(Packing::None);
-    }
-    let packing = if head.starts_with(GZIP) {
+        Packing::None
+    } else if head.starts_with(GZIP) {
         Packing::Gzip
     } else if head.starts_with(XZ) {
         Packing::Xz
     } else {
         named
-    };
-    packing.checked(head)
+    }
 }
 
 /// The beginning of a file.
