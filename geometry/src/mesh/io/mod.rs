@@ -177,62 +177,6 @@ pub fn rows_of_guide() -> String {
     formats::rows()
 }
 
-/// Reads the values of vertices in the file at `path`: those of a mesh, of a GIFTI file without a
-/// surface, of a file of FreeSurfer (`.curv`, `.thickness` and others), or the numbers of labels of
-/// its `.annot`, -1 for none.
-///
-/// ```
-/// use catamaran_geometry::mesh::io::read_scalars;
-///
-/// # let folder = tempfile::tempdir().unwrap();
-/// let path = &folder.path().join("lh.thickness");
-/// // The number of vertices, of faces, and of values of a vertex.
-/// let head = [&[255u8; 3][..], &[0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 1]].concat();
-/// std::fs::write(path, [head, [2.5f32, 3.0].map(f32::to_be_bytes).concat()].concat()).unwrap();
-/// let thickness = &read_scalars(path)?[0];
-/// assert_eq!((&thickness.name[..], &thickness.values[..]), ("thickness", &[2.5, 3.0][..]));
-/// # Ok::<(), catamaran::Error>(())
-/// ```
-///
-/// # Errors
-/// As those of [`read()`], also when the file has no values of vertices.
-pub fn read_scalars(path: &Path) -> Result<Vec<Scalars>> {
-    let named = MeshFormat::named(path);
-    let mut source =
-        Source::open_packed(path, |head| detect::packing(head, named.1), &SourceOptions::new())?;
-    let head = source.peek(detect::LOOK)?;
-    let is_annotation = path.extension().is_some_and(|ending| ending == "annot");
-    let scalars = match detect::format(&head, source.size()) {
-        _ if is_annotation => freesurfer::scalars(&mut source)?,
-        Some(MeshFormat::Gifti) => gifti::scalars(&mut source)?,
-        Some(MeshFormat::FreeSurfer) => freesurfer::scalars(&mut source)?,
-        None if named.0.is_none() => freesurfer::scalars(&mut source)?,
-        _ => read(path)?.scalars,
-    };
-    match scalars.is_empty() {
-        true => Err(Error::file(path, "has no values of vertices")),
-        false => Ok(scalars),
-    }
-}
-
-/// Returns whether [`read_scalars`] may read a file of this name: other names are those of tables.
-///
-/// ```
-/// use catamaran_geometry::mesh::io::names_scalars;
-///
-/// assert!(names_scalars("lh.thickness".as_ref()) && names_scalars("a.shape.gii".as_ref()));
-/// assert!(!names_scalars("a.csv".as_ref()));
-/// ```
-pub fn names_scalars(path: &Path) -> bool {
-    let ending = path.extension().unwrap_or_default().to_string_lossy();
-    let mesh = matches!(&*ending, "gii" | "vtk" | "vtp" | "vtu" | "msh");
-    let freesurfer = matches!(
-        &*ending,
-        "annot" | "area" | "avg_curv" | "curv" | "sulc" | "thickness" | "volume"
-    );
-    mesh || freesurfer
-}
-
 fn empty(path: &Path) -> Error {
     Error::file(path, "is empty: it has 0 bytes")
 }
@@ -298,6 +242,62 @@ fn read_lines(source: &mut Source<'_>, format: MeshFormat, path: &Path) -> Resul
         }
         other => other,
     })
+}
+
+/// Reads the values of vertices in the file at `path`: those of a mesh, of a GIFTI file without a
+/// surface, of a file of FreeSurfer (`.curv`, `.thickness` and others), or the numbers of labels of
+/// its `.annot`, -1 for none.
+///
+/// ```
+/// use catamaran_geometry::mesh::io::read_scalars;
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// let path = &folder.path().join("lh.thickness");
+/// // The number of vertices, of faces, and of values of a vertex.
+/// let head = [&[255u8; 3][..], &[0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 1]].concat();
+/// std::fs::write(path, [head, [2.5f32, 3.0].map(f32::to_be_bytes).concat()].concat()).unwrap();
+/// let thickness = &read_scalars(path)?[0];
+/// assert_eq!((&thickness.name[..], &thickness.values[..]), ("thickness", &[2.5, 3.0][..]));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// As those of [`read()`], also when the file has no values of vertices.
+pub fn read_scalars(path: &Path) -> Result<Vec<Scalars>> {
+    let named = MeshFormat::named(path);
+    let mut source =
+        Source::open_packed(path, |head| detect::packing(head, named.1), &SourceOptions::new())?;
+    let head = source.peek(detect::LOOK)?;
+    let is_annotation = path.extension().is_some_and(|ending| ending == "annot");
+    let scalars = match detect::format(&head, source.size()) {
+        _ if is_annotation => freesurfer::scalars(&mut source)?,
+        Some(MeshFormat::Gifti) => gifti::scalars(&mut source)?,
+        Some(MeshFormat::FreeSurfer) => freesurfer::scalars(&mut source)?,
+        None if named.0.is_none() => freesurfer::scalars(&mut source)?,
+        _ => read(path)?.scalars,
+    };
+    match scalars.is_empty() {
+        true => Err(Error::file(path, "has no values of vertices")),
+        false => Ok(scalars),
+    }
+}
+
+/// Returns whether [`read_scalars`] may read a file of this name: other names are those of tables.
+///
+/// ```
+/// use catamaran_geometry::mesh::io::names_scalars;
+///
+/// assert!(names_scalars("lh.thickness".as_ref()) && names_scalars("a.shape.gii".as_ref()));
+/// assert!(!names_scalars("a.csv".as_ref()));
+/// ```
+pub fn names_scalars(path: &Path) -> bool {
+    let ending = path.extension().unwrap_or_default().to_string_lossy();
+    let mesh = matches!(&*ending, "gii" | "vtk" | "vtp" | "vtu" | "msh");
+    let freesurfer = matches!(
+        &*ending,
+        "annot" | "area" | "avg_curv" | "curv" | "sulc" | "thickness" | "volume"
+    );
+    mesh || freesurfer
 }
 
 /// Writes `file` into `output` in the format that its name implies; the file appears when it is
