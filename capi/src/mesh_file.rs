@@ -1,7 +1,8 @@
 //! # Mesh files
 //!
 //! Meshes with texture coordinates, normals, colours and names, from and to files (.obj, .ply,
-//! .off, .stl, .glb and .gltf, also packed: .gz) and their bytes in memory.
+//! .off, .stl, .glb, .gltf, .vtk, .gii and .3mf, also packed: .gz) and their bytes in memory; also
+//! from .vtp, .vtu, .msh and surfaces of FreeSurfer.
 //!
 //! ```c
 //! const char text[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
@@ -23,8 +24,8 @@ use super::progress::cata_progress;
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use catamaran::io::{Output, Overwrite, SourceOptions};
 use catamaran_geometry::mesh::io::{
-    GltfEncoding, MeshFile, MeshFormat, PlyEncoding, StlEncoding, read_bytes, read_with, write_as,
-    write_bytes,
+    GltfEncoding, MeshFile, MeshFormat, PlyEncoding, StlEncoding, VtkEncoding, read_bytes,
+    read_with, write_as, write_bytes,
 };
 
 /// `format`: what the name of the file says.
@@ -45,6 +46,20 @@ pub const CATA_MESH_STL_TEXT: i32 = 6;
 pub const CATA_MESH_GLB: i32 = 7;
 /// `format`: glTF as text: coordinates are rounded to float.
 pub const CATA_MESH_GLTF: i32 = 8;
+/// `format`: legacy VTK, binary.
+pub const CATA_MESH_VTK: i32 = 9;
+/// `format`: legacy VTK as text.
+pub const CATA_MESH_VTK_TEXT: i32 = 10;
+/// `format`: GIFTI: coordinates are rounded to float.
+pub const CATA_MESH_GIFTI: i32 = 11;
+/// `format`: 3MF, in millimetres.
+pub const CATA_MESH_3MF: i32 = 12;
+/// `format`: XML files of VTK, only read.
+pub const CATA_MESH_VTK_XML: i32 = 13;
+/// `format`: surfaces of FreeSurfer, only read.
+pub const CATA_MESH_FREESURFER: i32 = 14;
+/// `format`: Gmsh, only read.
+pub const CATA_MESH_GMSH: i32 = 15;
 
 /// How mesh files are read and written.
 #[repr(C)]
@@ -385,6 +400,13 @@ fn format(what: &str, value: i32) -> Result<MeshFormat, Failure> {
         CATA_MESH_STL_TEXT => MeshFormat::Stl(StlEncoding::Ascii),
         CATA_MESH_GLB => MeshFormat::Gltf(GltfEncoding::Binary),
         CATA_MESH_GLTF => MeshFormat::Gltf(GltfEncoding::Text),
+        CATA_MESH_VTK => MeshFormat::Vtk(VtkEncoding::Binary),
+        CATA_MESH_VTK_TEXT => MeshFormat::Vtk(VtkEncoding::Ascii),
+        CATA_MESH_GIFTI => MeshFormat::Gifti,
+        CATA_MESH_3MF => MeshFormat::ThreeMf,
+        CATA_MESH_VTK_XML => MeshFormat::VtkXml,
+        CATA_MESH_FREESURFER => MeshFormat::FreeSurfer,
+        CATA_MESH_GMSH => MeshFormat::Gmsh,
         other => {
             let why = format!("{what}: must be a format, CATA_MESH_*, is {other}");
             return Err(Failure::new(CATA_ERR_ARGUMENT, why));

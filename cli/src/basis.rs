@@ -25,8 +25,7 @@ use crate::shape::{LaplacianArgs, Mode};
 /// from 1, filled up with 0), `eigenvalues` and `mass`.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
-    #[arg(value_name = "MESH")]
+    #[arg(value_name = "MESH", help = crate::input::mesh_help("The mesh"))]
     mesh: PathBuf,
     /// Number of eigenfunctions to multiply, without the constant one.
     #[arg(short, value_name = "K", default_value_t = 30, value_parser = at_least_one)]

@@ -34,8 +34,7 @@ use crate::report::{note, report, row, seconds, status};
 #[derive(clap::Args)]
 #[command(group = ArgGroup::new("size").required(true))]
 pub struct Args {
-    /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
-    #[arg(value_name = "MESH")]
+    #[arg(value_name = "MESH", help = crate::input::mesh_help("The mesh"))]
     input: PathBuf,
     /// Number of vertices of the result.
     #[arg(short, value_name = "N", group = "size")]
@@ -50,8 +49,7 @@ pub struct Args {
     /// Approximate length of the edges of the result, in units of the mesh.
     #[arg(long, value_name = "LENGTH", group = "size")]
     edge_length: Option<f64>,
-    /// Output file: .obj, .ply, .off, .stl, .glb or .gltf, and .gz after it.
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", help = output::mesh_help("Output file"))]
     output: PathBuf,
     /// Number of passes that move samples to the centroids of their cells.
     #[arg(long, value_name = "N", default_value_t = DecimateOptions::default().lloyd)]

@@ -34,8 +34,7 @@ const SCALES: usize = 100;
 /// motions.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
-    #[arg(value_name = "MESH")]
+    #[arg(value_name = "MESH", help = crate::input::mesh_help("The mesh"))]
     mesh: PathBuf,
     /// Kind of descriptor.
     #[arg(long, value_name = "KIND")]

@@ -26,8 +26,7 @@ use crate::shape::Kind;
 /// or edges connects to a vertex of --from.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
-    #[arg(value_name = "MESH")]
+    #[arg(value_name = "MESH", help = crate::input::mesh_help("The mesh"))]
     mesh: PathBuf,
     /// Vertices that distances are measured from, numbered from 0 and separated by commas.
     #[arg(long, value_name = "VERTEX,...", value_delimiter = ',', required = true)]

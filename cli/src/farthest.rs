@@ -24,8 +24,7 @@ use crate::shape::column;
 /// The first K samples are the same for every N of at least K.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
-    #[arg(value_name = "MESH")]
+    #[arg(value_name = "MESH", help = crate::input::mesh_help("The mesh"))]
     input: PathBuf,
     /// Number of samples, at least 1.
     #[arg(short, value_name = "N", value_parser = parse::at_least_one)]

@@ -27,6 +27,12 @@ use crate::report::{note, status};
 use crate::shape::{self, LaplacianArgs, Shape};
 use crate::tables::TableArgs;
 
+/// Returns the help of --output.
+fn output_help() -> String {
+    let formats = meshes::MeshFormat::writable();
+    format!("Output file: the mesh ({formats}), or the functions (.npy, .csv, ...)")
+}
+
 /// Frequencies up to this share of the highest count as zero: rounding leaves those of constants
 /// there.
 const ZERO: f64 = 1e-9;
@@ -49,8 +55,7 @@ const POINT: f64 = 1e-9;
 #[derive(clap::Args)]
 #[command(group = ArgGroup::new("response").args(["low_pass", "high_pass", "band", "heat", "sharpen", "coefficient"]).required(true))]
 pub struct Args {
-    /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
-    #[arg(value_name = "MESH")]
+    #[arg(value_name = "MESH", help = crate::input::mesh_help("The mesh"))]
     mesh: PathBuf,
     /// Keep the first COUNT frequencies only, at least 1.
     #[arg(long, value_name = "COUNT", value_parser = at_least_one)]
@@ -96,16 +101,15 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = at_least_one)]
     order: usize,
     /// Filter the functions in this table (a row for each vertex, a column for each function)
-    /// instead of the coordinates.
+    /// instead of the coordinates; or the values of vertices in a file of VTK, GIFTI, Gmsh or
+    /// FreeSurfer (.curv, .thickness and others).
     #[arg(long, value_name = "F")]
     functions: Option<PathBuf>,
     #[command(flatten)]
     table: TableArgs,
     #[command(flatten)]
     laplacian: LaplacianArgs,
-    /// Output file: the mesh (.obj, .ply, .off, .stl, .glb or .gltf), or the functions (.npy, .csv,
-    /// ...).
-    #[arg(short, long, value_name = "OUT")]
+    #[arg(short, long, value_name = "OUT", help = output_help())]
     output: PathBuf,
     #[command(flatten)]
     picture: PictureArgs,

@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 use anyhow::{Context, Result, anyhow, bail};
 use catamaran::base::Progress;
 use catamaran::io::SourceOptions;
-use catamaran_geometry::mesh::io::{self as meshes, MeshFile};
+use catamaran_geometry::mesh::io::{self as meshes, MeshFile, MeshFormat};
 use catamaran_geometry::mesh::{
     Normalization, RepairOptions, RepairReport, RepairStep, Weld, needs_repair, repair,
 };
@@ -17,6 +17,11 @@ use crate::common::as_option;
 use crate::parse;
 use crate::progress::Bar;
 use crate::report::note;
+
+/// Returns the help of an argument that names a mesh to be read.
+pub fn mesh_help(what: &str) -> String {
+    format!("{what}: {}, and .gz or .xz after it", MeshFormat::readable())
+}
 
 /// How a command repairs the mesh that it reads.
 ///

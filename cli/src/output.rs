@@ -9,6 +9,11 @@ use catamaran_geometry::mesh::io::{self as meshes, Material, MeshFile, MeshForma
 use crate::common::Force;
 use crate::report;
 
+/// Returns the help of an option that names a mesh to be written.
+pub fn mesh_help(what: &str) -> String {
+    format!("{what}: {}, and .gz after it", MeshFormat::writable())
+}
+
 /// Refuses a file that can't be written, before the long work whose result it will be.
 pub fn probe(path: &Path) -> catamaran::Result<()> {
     Output::create(path, Overwrite::Replace).map(drop)

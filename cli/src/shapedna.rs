@@ -21,8 +21,7 @@ use crate::shape::LaplacianArgs;
 /// meshes, the nearest first, with the Euclidean distance of the signatures.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Meshes: .obj, .ply, .off, .stl, .glb or .gltf, each also as .gz or .xz.
-    #[arg(value_name = "MESH", required = true)]
+    #[arg(value_name = "MESH", required = true, help = input::mesh_help("Meshes"))]
     inputs: Vec<PathBuf>,
     /// Compare this mesh with the others, instead of each with each.
     #[arg(long, value_name = "MESH")]

@@ -37,8 +37,7 @@ use crate::{output, parse};
 /// they are written; each process uses `--threads`.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, each also as .gz or .xz.
-    #[arg(value_name = "MESH")]
+    #[arg(value_name = "MESH", help = crate::input::mesh_help("The mesh"))]
     input: PathBuf,
     /// Write the arrays to this .npz file, or .h5 where HDF5 is built in.
     #[arg(short, long, value_name = "FILE")]

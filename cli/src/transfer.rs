@@ -30,6 +30,15 @@ use crate::report::{report, status};
 use crate::shape::{self, LaplacianArgs, Mode, Shape, column};
 use crate::tables::TableArgs;
 
+/// Returns the help of --output.
+fn output_help() -> String {
+    let formats = meshes::MeshFormat::writable();
+    format!(
+        "Output file: the functions on the target (.npy, .csv, .tsv, .txt or .mtx, and .gz after \
+         it), or with --details the mesh ({formats})"
+    )
+}
+
 /// Iterations of ICP, at most.
 const ITERATIONS: usize = 20;
 
@@ -60,8 +69,7 @@ const SIGNATURES: usize = 50;
         .multiple(true)
 )]
 pub struct Args {
-    /// Source mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
-    #[arg(value_name = "SOURCE")]
+    #[arg(value_name = "SOURCE", help = crate::input::mesh_help("Source mesh"))]
     source: PathBuf,
     /// Target mesh, in the same formats.
     #[arg(value_name = "TARGET")]
@@ -140,9 +148,7 @@ pub struct Args {
     mode: Mode,
     #[command(flatten)]
     laplacian: LaplacianArgs,
-    /// Output file: the functions on the target (.npy, .csv, .tsv, .txt or .mtx, and .gz after it),
-    /// or with --details the mesh (.obj, .ply, .off, .stl, .glb or .gltf).
-    #[arg(short, long, value_name = "OUT")]
+    #[arg(short, long, value_name = "OUT", help = output_help())]
     output: PathBuf,
     /// Write the correspondence to this file, in the format of --points.
     #[arg(long, value_name = "FILE")]

@@ -20,6 +20,13 @@ enum class mesh_format : std::int32_t {
     stl_text = CATA_MESH_STL_TEXT,
     glb = CATA_MESH_GLB,
     gltf = CATA_MESH_GLTF,
+    vtk = CATA_MESH_VTK,
+    vtk_text = CATA_MESH_VTK_TEXT,
+    gifti = CATA_MESH_GIFTI,
+    threemf = CATA_MESH_3MF,
+    vtk_xml = CATA_MESH_VTK_XML,
+    freesurfer = CATA_MESH_FREESURFER,
+    gmsh = CATA_MESH_GMSH,
 };
 
 /// What names of faces are.

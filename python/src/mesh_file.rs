@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use catamaran::io::{Output, Overwrite};
-use catamaran_geometry::mesh::io::{Attribute, MeshFile, MeshFormat, read, write_as};
+use catamaran_geometry::mesh::io::{Attribute, MeshFile, MeshFormat, Scalars, read, write_as};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -39,6 +39,13 @@ pub fn read_mesh(
     }
     if let Some(colors) = &file.colors {
         more.set_item("colors", from_rows(py, colors.clone())?)?;
+    }
+    if !file.scalars.is_empty() {
+        let scalars = PyDict::new(py);
+        for Scalars { name, values } in &file.scalars {
+            scalars.set_item(name, from_vec(py, values.clone()))?;
+        }
+        more.set_item("scalars", scalars)?;
     }
     for (name, labels) in
         [("materials", &file.materials), ("groups", &file.groups), ("objects", &file.objects)]
@@ -87,7 +94,7 @@ pub fn write_mesh<'py>(
     let overwrite = if overwrite { Overwrite::Replace } else { Overwrite::Never };
     let mut format = MeshFormat::of(&path).map_err(exception)?;
     if text {
-        let why = "glTF has single precision as text, too";
+        let why = "this format has no text with every digit";
         format = format.as_text().ok_or_else(|| refused("text", why))?;
     }
     run(py, Length::Long, None, move |_| write_as(Output::create(&path, overwrite)?, &file, format))

@@ -56,7 +56,8 @@ static void check_attributes(const cata_mesh_file *file)
 static void test_formats_in_memory(void)
 {
     const int32_t formats[] = {CATA_MESH_OBJ, CATA_MESH_PLY, CATA_MESH_PLY_TEXT, CATA_MESH_OFF,
-                               CATA_MESH_STL, CATA_MESH_STL_TEXT, CATA_MESH_GLB, CATA_MESH_GLTF};
+                               CATA_MESH_STL, CATA_MESH_STL_TEXT, CATA_MESH_GLB, CATA_MESH_GLTF,
+                               CATA_MESH_VTK, CATA_MESH_VTK_TEXT, CATA_MESH_GIFTI, CATA_MESH_3MF};
     for (size_t i = 0; i < sizeof formats / sizeof *formats; i++) {
         cata_mesh_file *file = square(), *again = NULL;
         cata_mesh_bytes *bytes = NULL;

@@ -35,8 +35,7 @@ use crate::report::{note, report, seconds, status};
 #[command(group = ArgGroup::new("result")
     .args(["output", "cut", "region", "rest", "paint"]).required(true).multiple(true))]
 pub struct Args {
-    /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
-    #[arg(value_name = "MESH")]
+    #[arg(value_name = "MESH", help = crate::input::mesh_help("The mesh"))]
     mesh: PathBuf,
     /// File of samples, one per line: a vertex (numbered from 0), a face and barycentric
     /// coordinates (`face a b c`), or a point in space (`x y z`), which stands for the nearest

@@ -22,9 +22,8 @@ pub use report::genus;
 
 /// Report on a triangle mesh, and convert, repair or compare it.
 ///
-/// Reads .obj, .ply, .off, .stl, .glb and .gltf, each also as .gz or .xz. Prints the topology
-/// (components, boundary, genus), the size, and every kind of problem with the first elements that
-/// have it, numbered from 0.
+/// Prints the topology (components, boundary, genus), the size, and every kind of problem with the
+/// first elements that have it, numbered from 0.
 ///
 /// Nothing is repaired by default. Repairs are made in this order, whatever the order of the
 /// options: weld, drop duplicates, drop degenerate, compact, cut (of --repair), keep largest, drop
@@ -32,13 +31,11 @@ pub use report::genus;
 /// --component and --normalize come last.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The mesh.
-    #[arg(value_name = "MESH")]
+    #[arg(value_name = "MESH", help = input::mesh_help("The mesh"))]
     input: PathBuf,
-    /// Write the mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz after it.
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", help = output::mesh_help("Write the mesh"))]
     output: Option<PathBuf>,
-    /// Write .stl and .ply as text with every digit. Binary .stl has single precision, which moves
+    /// Write .stl, .ply and .vtk as text with every digit. Binary .stl has single precision, which moves
     /// vertices far from the origin.
     #[arg(long, requires = "output")]
     text: bool,
@@ -230,7 +227,7 @@ fn format(path: &Path, text: bool) -> Result<MeshFormat> {
     match format.as_text() {
         Some(as_text) if text => Ok(as_text),
         None if text => {
-            bail!("{}: --text: glTF has single precision as text, too", path.display())
+            bail!("{}: --text: this format has no text with every digit", path.display())
         }
         _ => Ok(format),
     }

@@ -274,6 +274,7 @@ pub fn measures(file: &MeshFile, found: &Validation) -> Result<()> {
         (file.uv.is_some(), "texture coordinates"),
         (file.normals.is_some(), "normals"),
         (file.colors.is_some(), "colours"),
+        (!file.scalars.is_empty(), "scalars"),
     ];
     let extras: Vec<_> =
         extras.into_iter().filter(|(there, _)| *there).map(|(_, what)| what).collect();

@@ -52,8 +52,7 @@ const OF_MESHES: [&str; 5] = ["mesh", "no_fit", "uv", "write_material", "inlay"]
 /// docs/guide/newton.md.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
-    #[arg(value_name = "MESH")]
+    #[arg(value_name = "MESH", help = crate::input::mesh_help("The mesh"))]
     mesh: Option<PathBuf>,
     /// Use the polynomial z^N - 1, with N^2 roots; N from 2 to 64.
     #[arg(long, value_name = "N", default_value_t = power(), conflicts_with = "roots")]

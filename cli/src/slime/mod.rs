@@ -54,8 +54,11 @@ const PIXELS: usize = 900;
 /// --state can be resumed (--resume), with the same result as without the interruption.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
-    #[arg(value_name = "MESH", required_unless_present = "tile")]
+    #[arg(
+        value_name = "MESH",
+        required_unless_present = "tile",
+        help = input::mesh_help("The mesh")
+    )]
     mesh: Option<PathBuf>,
     /// Use a square whose opposite sides are joined, instead of a mesh: the texture repeats without
     /// a seam. --render shows four copies.

@@ -21,9 +21,12 @@ use crate::report::row;
 /// out-of-distribution score says which parts are further out than 99.5 % of the training pairs.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The first part, the last part, and the part that stays: .obj, .ply, .off, .stl, .glb or
-    /// .gltf, each also as .gz or .xz.
-    #[arg(value_name = "PART", num_args = 3, required = true)]
+    #[arg(
+        value_name = "PART",
+        num_args = 3,
+        required = true,
+        help = crate::input::mesh_help("The first part, the last part, and the part that stays")
+    )]
     parts: Vec<PathBuf>,
     /// Number of unions from the first part to the last, 2 to 1000.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(2..=1000))]

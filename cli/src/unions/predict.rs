@@ -22,8 +22,12 @@ use crate::report::{head, row};
 /// is a guess. A score below 1 does not mean that the prediction is right.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Two or more parts: .obj, .ply, .off, .stl, .glb or .gltf, each also as .gz or .xz.
-    #[arg(value_name = "PARTS", num_args = 2.., required = true)]
+    #[arg(
+        value_name = "PARTS",
+        num_args = 2..,
+        required = true,
+        help = crate::input::mesh_help("Two or more parts")
+    )]
     parts: Vec<PathBuf>,
     #[command(flatten)]
     source: PartArgs,

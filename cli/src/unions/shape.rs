@@ -29,8 +29,7 @@ use crate::tables::TableArgs;
 /// prints it; if the template is closed, the spectrum leaves out the zero eigenvalues.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The mesh to deform: .obj, .ply, .off, .stl, .glb or .gltf, each also as .gz or .xz.
-    #[arg(value_name = "TEMPLATE")]
+    #[arg(value_name = "TEMPLATE", help = crate::input::mesh_help("The mesh to deform"))]
     template: PathBuf,
     /// Table of eigenvalues (.csv, .npy, ...), of which the last column is used, such as that of
     /// `unions predict -o`.
@@ -47,8 +46,12 @@ pub struct Args {
     /// Mean relative difference of eigenvalues at which the deformation ends.
     #[arg(long, value_name = "SHARE", default_value_t = ShapeOptions::default().tolerance)]
     tolerance: f64,
-    /// Output file of the deformed mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz after it.
-    #[arg(short, long, value_name = "MESH")]
+    #[arg(
+        short,
+        long,
+        value_name = "MESH",
+        help = output::mesh_help("Output file of the deformed mesh")
+    )]
     output: PathBuf,
     #[command(flatten)]
     repair: MeshArgs,

@@ -15,8 +15,12 @@ use crate::report::status;
 /// Write the template on which `unions predict --localize` finds unions: a human at rest.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Output file of the mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz after it.
-    #[arg(short, long, value_name = "MESH")]
+    #[arg(
+        short,
+        long,
+        value_name = "MESH",
+        help = output::mesh_help("Output file of the mesh")
+    )]
     output: PathBuf,
     /// Approximate number of vertices. The pretrained weights are for the default.
     #[arg(long, value_name = "NUMBER", default_value_t = DatasetOptions::default().vertices)]

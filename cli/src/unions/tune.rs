@@ -23,9 +23,12 @@ use crate::report::{report, status};
 /// has no template, so that `unions predict --localize` has no meaning with the new weights.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Complete shapes of the family: .obj, .ply, .off, .stl, .glb or .gltf, each also as .gz or
-    /// .xz.
-    #[arg(value_name = "MESHES", num_args = 2.., required = true)]
+    #[arg(
+        value_name = "MESHES",
+        num_args = 2..,
+        required = true,
+        help = crate::input::mesh_help("Complete shapes of the family")
+    )]
     meshes: Vec<PathBuf>,
     /// Output file of the new weights: .safetensors.
     #[arg(short, long, value_name = "OUT")]

@@ -57,7 +57,7 @@ fn problems_are_named_and_fail_only_on_demand() {
 fn a_mesh_without_faces_is_a_problem() {
     let folder = Folder::new();
     for (name, text, vertices, problems) in [
-        ("empty.obj", "", 0, 1),
+        ("empty.obj", "# nothing\n", 0, 1),
         ("empty.off", "OFF\n0 0 0\n", 0, 1),
         ("points.obj", "v 0 0 0\nv 1 0 0\n", 2, 3),
     ] {
@@ -68,6 +68,29 @@ fn a_mesh_without_faces_is_a_problem() {
         let refused = folder.fail(&format!("mesh {name} --check"));
         assert_eq!(refused, format!("catamaran: {name}: problems found: {problems}\n"));
     }
+}
+
+#[test]
+fn what_a_reader_skips_and_what_a_file_is_reach_the_user() {
+    let folder = Folder::new();
+    folder.write("a.off", "OFF4 1 0\n0 0 0 7\n2 0 0 7\n2 2 0 7\n0 2 0 7\n4 0 1 2 3\n");
+    let said = notes(&folder, "mesh a.off");
+    let note =
+        "note: a.off: left out numbers after the others, of vertices: 4, the first at line 2";
+    assert!(said.contains(note), "{said}");
+    folder.write("b.stl", "<!DOCTYPE html>\n<html></html>\n");
+    folder.write("c.ply", "");
+    for (name, what) in [
+        ("b.stl", "is no mesh of a known format: it seems to be a web page: download the file"),
+        ("c.ply", "is empty: it has 0 bytes"),
+    ] {
+        let refused = folder.fail(&format!("mesh {name}"));
+        assert!(refused.contains(&format!("{name}: {what}")), "{refused}");
+    }
+    // Help has the formats that are in the library's table.
+    let help = folder.succeed("mesh --help");
+    let help: Vec<&str> = help.split_whitespace().collect();
+    assert!(help.join(" ").contains(&io::MeshFormat::readable()), "{help:?}");
 }
 
 #[test]
@@ -173,7 +196,8 @@ fn what_can_not_be_done_is_said_in_a_line() {
         ("mesh none.obj", "none.obj: no such file"),
         ("mesh broken.obj", "broken.obj:1: 2 numbers where 3 are needed"),
         ("mesh broken.obj -o new.obj", "broken.obj:1: "),
-        ("mesh square.obj -o new.vtk", "new.vtk: unknown kind of mesh"),
+        ("mesh square.obj -o new.doc", "new.doc: unknown kind of mesh"),
+        ("mesh square.obj -o new.vtp", "VTK XML files can only be read"),
         ("mesh square.obj -o new.ply.xz", "can only be read"),
         ("mesh square.obj -o new.ply --component 1", "1 is not one of the 1 components"),
         ("mesh strip.ply -o new.ply --orient", "not orientable"),

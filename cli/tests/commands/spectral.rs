@@ -1,7 +1,7 @@
 //! `catamaran basis`, `catamaran transfer` and `catamaran filter`.
 
 use catamaran::io::{Output, Overwrite};
-use catamaran_geometry::mesh::io::{read, write};
+use catamaran_geometry::mesh::io::{MeshFile, Scalars, read, write};
 use catamaran_geometry::mesh::{TriMesh, families};
 
 use crate::common::{Folder, calls};
@@ -708,5 +708,30 @@ fn the_commands_of_the_guide_run() {
     folder.write("pairs.txt", "0 0\n40 40\n90 90\n120 120\n");
     for line in calls(guide) {
         folder.succeed(line);
+    }
+}
+
+#[test]
+fn functions_are_those_of_a_mesh_file_or_of_freesurfer() {
+    let folder = Folder::new();
+    let mut file = MeshFile::from(families::icosphere(2).unwrap());
+    let heights: Vec<f64> = file.mesh.vertices().iter().map(|p| p[2]).collect();
+    let magic = [&[255u8; 3][..], &162u32.to_be_bytes(), &[0; 4], &1u32.to_be_bytes()].concat();
+    let values = heights.iter().flat_map(|&z| (z as f32).to_be_bytes());
+    std::fs::write(folder.path("lh.thickness"), [magic, values.collect()].concat()).unwrap();
+    file.scalars = vec![Scalars { name: "height".into(), values: heights }];
+    write(Output::create(&folder.path("a.gii"), Overwrite::Never).unwrap(), &file).unwrap();
+    let report = folder.succeed("mesh a.gii");
+    assert!(report.contains("scalars"), "{report}");
+    let smooth = |functions: &str, output: &str| -> Vec<f64> {
+        folder.succeed(&format!("filter a.gii --low-pass 4 --functions {functions} -o {output}"));
+        folder.read_npy(output, &[162, 1])
+    };
+    let by_mesh = smooth("a.gii", "mesh.npy");
+    let by_thickness = smooth("lh.thickness", "thickness.npy");
+    // Heights are a combination of the first three eigenfunctions.
+    for (v, (a, b)) in by_mesh.iter().zip(&by_thickness).enumerate() {
+        let z = file.scalars[0].values[v];
+        assert!((a - z).abs() < 0.05 && (b - z).abs() < 0.05, "{v}: {a}, {b}, {z}");
     }
 }

@@ -29,7 +29,7 @@ Path = Union[str, "os.PathLike[str]"]
 
 
 def read_mesh(path: Path, *, attributes: bool = False) -> Any:
-    """Read a mesh: .obj, .ply, .off, .stl, .glb or .gltf, each also with .gz after it.
+    """Read a mesh, in a format of docs/guide/mesh-files.md, also with .gz or .xz after it.
 
     Parameters
     ----------
@@ -46,8 +46,9 @@ def read_mesh(path: Path, *, attributes: bool = False) -> Any:
         Faces.
     more : dict
         With `attributes`, what there is of: "uv" (m x 3 x 2, for the corners of faces), "normals"
-        (m x 3 x 3), "colors" (n x 4), "materials", "groups" and "objects" (names, and the number of
-        one for each face), and "notes", a list of what was repaired or left out.
+        (m x 3 x 3), "colors" (n x 4), "scalars" (a dict of names and n values each), "materials",
+        "groups" and "objects" (names, and the number of one for each face), and "notes", a list of
+        what was repaired or left out.
 
     Warns
     -----
@@ -101,7 +102,8 @@ def write_mesh(
     overwrite : bool
         Whether a file that is there is replaced.
     text : bool
-        Whether .stl and .ply are text with every digit. Binary .stl and glTF have single precision.
+        Whether .stl, .ply and .vtk are text with every digit. Binary .stl, .gii and glTF have
+        single precision.
 
     Warns
     -----

@@ -5,6 +5,7 @@ mod absent;
 mod conventions;
 mod declarations;
 mod faces;
+mod formats;
 mod fortran;
 mod generated;
 mod header;
@@ -25,8 +26,8 @@ cargo xtask fortran           write include/catamaran.f90 from include/catamaran
 cargo xtask fortran --check   fail if it is not what would be written
 cargo xtask notice            write NOTICE from the packages in Cargo.lock
 cargo xtask notice --check    fail if NOTICE is not what would be written
-cargo xtask options           write docs/guide/options.md from the structs of options
-cargo xtask options --check   fail if it is not what would be written
+cargo xtask options           write docs/guide/options.md and docs/guide/mesh-files.md
+cargo xtask options --check   fail if they are not what would be written
 cargo xtask msrv              fail if a dependency needs a newer Rust than we promise";
 
 fn main() -> ExitCode {
@@ -41,8 +42,10 @@ fn main() -> ExitCode {
         ["fortran", "--check"] => fortran::FORTRAN.check(&root()),
         ["notice"] => notice::NOTICE.write(&root()),
         ["notice", "--check"] => notice::NOTICE.check(&root()),
-        ["options"] => options::OPTIONS.write(&root()),
-        ["options", "--check"] => options::OPTIONS.check(&root()),
+        ["options"] => options::OPTIONS.write(&root()).and(formats::FORMATS.write(&root())),
+        ["options", "--check"] => {
+            options::OPTIONS.check(&root()).and(formats::FORMATS.check(&root()))
+        }
         ["msrv"] => msrv::check(&root()),
         ["help" | "--help"] => {
             println!("{HELP}");

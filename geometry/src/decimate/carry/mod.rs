@@ -14,7 +14,7 @@ use std::borrow::Cow;
 use self::home::{Home, homes};
 use super::result::Decimation;
 use super::surface::Surface;
-use crate::mesh::io::{Labels, MeshFile};
+use crate::mesh::io::{Labels, MeshFile, Scalars};
 use crate::mesh::{SurfacePoint, TriMesh};
 use catamaran::base::{Error, Par, Result};
 
@@ -22,7 +22,7 @@ impl Decimation {
     /// Returns the new mesh as a file with the attributes of `input`, except for those that
     /// [`left_out`](Self::left_out) names.
     ///
-    /// - Colours are those at the places of the vertices.
+    /// - Colours and scalars are those at the places of the vertices.
     /// - Materials, groups and objects of a face are those of the input's face nearest to its
     ///   middle.
     /// - Texture coordinates come from the chart of that face. A corner beyond the chart has those
@@ -47,6 +47,10 @@ impl Decimation {
         self.check_input(input)?;
         let mut file = MeshFile::from(self.mesh.clone());
         file.colors = input.colors.as_ref().map(|colors| self.colors(colors, input));
+        for Scalars { name, values } in &input.scalars {
+            let values = self.carry_values(&input.mesh, 1, values)?;
+            file.scalars.push(Scalars { name: name.clone(), values });
+        }
         file.material_files = input.material_files.clone();
         let labels = [&input.materials, &input.groups, &input.objects];
         if input.uv.is_none() && labels.iter().all(|labels| labels.is_none()) {

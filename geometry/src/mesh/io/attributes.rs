@@ -2,8 +2,8 @@ use super::super::{Part, TriMesh};
 use super::labels::{Labels, check_name};
 use catamaran::base::{Error, Result};
 
-/// The content of a mesh file: a mesh with colours, texture coordinates, normals, materials and
-/// names of groups.
+/// The content of a mesh file: a mesh with colours, texture coordinates, normals, materials,
+/// names of groups and functions on the vertices.
 ///
 /// ```
 /// use catamaran_geometry::mesh::{families, io::MeshFile};
@@ -30,6 +30,8 @@ pub struct MeshFile {
     pub groups: Option<Labels>,
     /// The object of each face (`o` of OBJ).
     pub objects: Option<Labels>,
+    /// Named values of the vertices, such as a thickness (VTK, GIFTI, Gmsh).
+    pub scalars: Vec<Scalars>,
     /// The files that describe the materials, as the file names them (`mtllib` of OBJ).
     pub material_files: Vec<String>,
     /// Number of triangles that are left out because two of their corners are one vertex.
@@ -49,6 +51,7 @@ impl From<TriMesh> for MeshFile {
             materials: None,
             groups: None,
             objects: None,
+            scalars: Vec::new(),
             material_files: Vec::new(),
             collapsed_faces: 0,
             notes: Vec::new(),
@@ -90,11 +93,18 @@ impl MeshFile {
             materials: self.materials.as_ref().map(|labels| labels.part(&part)),
             groups: self.groups.as_ref().map(|labels| labels.part(&part)),
             objects: self.objects.as_ref().map(|labels| labels.part(&part)),
+            scalars: self.scalars.iter().map(|s| s.at(&part.vertices)).collect(),
             material_files: self.material_files.clone(),
             collapsed_faces: self.collapsed_faces,
             notes: self.notes.clone(),
             mesh: part.mesh,
         })
+    }
+
+    /// Returns the file without the vertices that are in no face.
+    pub(super) fn without_lone_vertices(&self) -> Result<MeshFile> {
+        let faces: Vec<u32> = (0..self.mesh.faces().len() as u32).collect();
+        self.part(self.mesh.submesh(&faces)?)
     }
 
     /// Returns an error unless the attributes fit the mesh.
@@ -116,6 +126,9 @@ impl MeshFile {
                 labels.check(what, self.mesh.faces().len())?;
             }
         }
+        for Scalars { values, .. } in &self.scalars {
+            Error::check_shape("scalars", (vertices, 1), (values.len(), 1))?;
+        }
         self.material_files.iter().try_for_each(|name| check_name("material_files", name))
     }
 
@@ -132,6 +145,44 @@ impl MeshFile {
         check("colors", self.colors.as_deref())?;
         check("uv", self.uv.as_ref().map(|uv| &uv.values[..]))?;
         check("normals", self.normals.as_ref().map(|normals| &normals.values[..]))
+    }
+}
+
+/// A named function on the vertices of a mesh.
+///
+/// ```
+/// use catamaran_geometry::mesh::families;
+/// use catamaran_geometry::mesh::io::{MeshFile, MeshFormat, Scalars, read_bytes, write_bytes};
+///
+/// let mut file = MeshFile::from(families::grid(1, 1)?);
+/// file.scalars = vec![Scalars { name: "height".into(), values: vec![0.5, 1.0, 1.5, 2.0] }];
+/// let gifti = MeshFormat::Gifti;
+/// assert_eq!(read_bytes(&write_bytes(&file, gifti)?.0, gifti)?.scalars, file.scalars);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scalars {
+    /// The name, as in the file.
+    pub name: String,
+    /// The value of each vertex; NaN where there is none.
+    pub values: Vec<f64>,
+}
+
+impl Scalars {
+    /// Returns the columns of a matrix with `width` values for each vertex. Several have their
+    /// number, from 0, after the name.
+    pub(super) fn columns(name: &str, width: usize, values: &[f64]) -> Vec<Self> {
+        let column = |k: usize| Self {
+            name: if width == 1 { name.into() } else { format!("{name}.{k}") },
+            values: values.iter().skip(k).step_by(width).copied().collect(),
+        };
+        (0..width).map(column).collect()
+    }
+
+    /// Returns the values at these vertices.
+    pub(crate) fn at(&self, vertices: &[u32]) -> Self {
+        let values = vertices.iter().map(|&v| self.values[v as usize]).collect();
+        Self { name: self.name.clone(), values }
     }
 }
 

@@ -1,11 +1,9 @@
 //! Detects the packing and the format of a file from its content.
 
 use super::format::MeshFormat;
-use super::gltf::GltfEncoding;
-use super::off;
-use super::ply::PlyEncoding;
-use super::stl::StlEncoding;
-use super::text::{number, words};
+use super::formats::FORMATS;
+use super::text::{number, of_utf16, words};
+use super::{freesurfer, off};
 use catamaran::io::Packing;
 
 /// Number of bytes of a file that are read to detect its format.
@@ -20,74 +18,172 @@ const XZ: &[u8] = b"\xfd7zXZ\0";
 
 /// Returns the packing of a file that begins with `head`; the name of the file says `named`.
 pub(super) fn packing(head: &[u8], named: Packing) -> Packing {
-    if head.starts_with(GZIP) {
+    // First, because a mesh may be an archive itself (3MF).
+    if format(head, None).is_some() {
+        Packing::None
+    } else if head.starts_with(GZIP) {
         Packing::Gzip
     } else if head.starts_with(XZ) {
         Packing::Xz
-    } else if format(head, None).is_some() {
-        Packing::None
     } else {
         named
     }
 }
 
-/// Returns the format of a file that begins with `head`, and has `size` bytes if that is known;
-/// `None` if it fits no format or several.
-pub(super) fn format(head: &[u8], size: Option<u64>) -> Option<MeshFormat> {
-    let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
-    let head = &head[..head.len().min(LOOK)];
-    // The header of binary STL is arbitrary text, so the size decides, not the header.
-    if is_binary_stl(head, size) {
-        return Some(MeshFormat::Stl(StlEncoding::Binary));
+/// The beginning of a file.
+pub(super) struct Head<'a> {
+    /// Up to [`LOOK`] bytes, without a byte order mark.
+    pub bytes: &'a [u8],
+    /// The bytes of the whole file, if they are known.
+    pub size: Option<u64>,
+}
+
+impl<'a> Head<'a> {
+    pub fn new(bytes: &'a [u8], size: Option<u64>) -> Self {
+        let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+        Self { bytes: &bytes[..bytes.len().min(LOOK)], size }
     }
-    if head.starts_with(b"glTF") {
-        return Some(MeshFormat::Gltf(GltfEncoding::Binary));
+
+    /// Returns the lines that have words, without comments after a #. A last line that may be
+    /// incomplete is left out.
+    fn lines(&self) -> impl Iterator<Item = &'a [u8]> {
+        let text = self.bytes;
+        let is_end = |byte: &u8| matches!(byte, b'\n' | b'\r');
+        let end = match text.len() {
+            LOOK.. => text.iter().rposition(is_end).unwrap_or_default(),
+            length => length,
+        };
+        let lines = text[..end].split(is_end);
+        let bare = lines.filter_map(|line| line.split(|&byte| byte == b'#').next());
+        bare.filter(|line| !line.trim_ascii().is_empty())
     }
-    if head.starts_with(b"ply\n") || head.starts_with(b"ply\r") {
-        return Some(MeshFormat::Ply(PlyEncoding::Ascii));
-    }
-    let text = head.trim_ascii_start();
-    if text.starts_with(b"{") {
-        return Some(MeshFormat::Gltf(GltfEncoding::Text));
-    }
-    let mut lines = text.split(|&byte| byte == b'\n');
-    if text.starts_with(b"solid") {
-        let facet = |line: &[u8]| matches!(words(line).next(), Some(b"facet" | b"endsolid"));
-        return lines.any(facet).then_some(MeshFormat::Stl(StlEncoding::Ascii));
-    }
-    // The last line may be incomplete.
-    let complete = text.len() - lines.next_back().map_or(0, <[u8]>::len);
-    let lines = text[..complete].split(|&byte| byte == b'\n');
-    let mut content = lines.filter_map(|line| {
-        let mut words = words(line.split(|&byte| byte == b'#').next()?);
-        Some((words.next()?, words.next()))
-    });
-    let (first, second) = content.next()?;
-    if off::kind_of(first).is_some() {
-        return Some(MeshFormat::Off);
-    }
-    let is_obj = |(keyword, operand): (&[u8], Option<&[u8]>)| match keyword {
-        b"v" | b"vt" | b"vn" => operand.is_some_and(|word| number(word).is_ok()),
-        b"f" | b"g" | b"o" | b"s" | b"l" | b"p" | b"mtllib" | b"usemtl" => true,
-        _ => false,
-    };
+}
+
+/// Returns the format of a file that begins with `bytes`, and has `size` bytes if that is known;
+/// `None` if it fits no format.
+pub(super) fn format(bytes: &[u8], size: Option<u64>) -> Option<MeshFormat> {
+    let decoded = of_utf16(bytes);
+    let head = Head::new(decoded.as_deref().unwrap_or(bytes), size);
+    let found = FORMATS.iter().rev().find(|format| (format.fits)(&head))?;
+    found.endings.first().map(|(_, format)| *format)
+}
+
+pub(super) fn is_gltf(head: &Head<'_>) -> bool {
+    let is_json = || head.bytes.trim_ascii_start().starts_with(b"{") && !head.bytes.contains(&0);
+    head.bytes.starts_with(b"glTF") || is_json()
+}
+
+pub(super) fn is_vtk(head: &Head<'_>) -> bool {
+    let magic = b"# vtk datafile";
+    head.bytes.get(..magic.len()).is_some_and(|start| start.eq_ignore_ascii_case(magic))
+}
+
+pub(super) fn is_vtk_xml(head: &Head<'_>) -> bool {
+    has_element(head, b"<VTKFile")
+}
+
+pub(super) fn is_gifti(head: &Head<'_>) -> bool {
+    has_element(head, b"<GIFTI")
+}
+
+/// Returns whether XML has this element in its first bytes: comments may come before.
+fn has_element(head: &Head<'_>, start: &[u8]) -> bool {
+    let text = head.bytes.trim_ascii_start();
+    let text = &text[..text.len().min(1 << 12)];
+    text.starts_with(b"<") && text.windows(start.len()).any(|bytes| bytes == start)
+}
+
+pub(super) fn is_freesurfer(head: &Head<'_>) -> bool {
+    freesurfer::begins(head.bytes)
+}
+
+pub(super) fn is_gmsh(head: &Head<'_>) -> bool {
+    let line = head.bytes.trim_ascii_start();
+    line.starts_with(b"$MeshFormat") || line.starts_with(b"$NOD")
+}
+
+/// An archive (zip) that has a file of each package of this kind among its first.
+pub(super) fn is_threemf(head: &Head<'_>) -> bool {
+    let has = |name: &[u8]| head.bytes.windows(name.len()).any(|bytes| bytes == name);
+    let names: [&[u8]; 3] = [b"[Content_Types].xml", b"_rels/.rels", b"3D/"];
+    head.bytes.starts_with(b"PK\x03\x04") && names.into_iter().any(has)
+}
+
+pub(super) fn is_ply(head: &Head<'_>) -> bool {
+    head.bytes.starts_with(b"ply") && head.bytes.get(3).is_some_and(u8::is_ascii_whitespace)
+}
+
+pub(super) fn is_off(head: &Head<'_>) -> bool {
+    let first = head.lines().next().and_then(|line| words(line).next());
+    first.is_some_and(|word| off::kind_of(word).is_some())
+}
+
+/// Text has a line that begins a facet. The header of a binary file is arbitrary text, so its size
+/// decides: a header of 80 bytes, a count and that many facets of 50 bytes.
+pub(super) fn is_stl(head: &Head<'_>) -> bool {
+    let count = head.bytes.get(80..84).and_then(|bytes| bytes.first_chunk::<4>());
+    let expected = count.map(|&bytes| 84 + 50 * u64::from(u32::from_le_bytes(bytes)));
+    let mut lines = head.lines().skip_while(|line| !begins(line, b"solid"));
+    (expected.is_some() && expected == head.size)
+        || lines.any(|line| begins(line, b"facet") || begins(line, b"endsolid"))
+}
+
+/// Returns whether the first word of a line is this one, in upper or lower case.
+fn begins(line: &[u8], word: &[u8]) -> bool {
+    words(line).next().is_some_and(|first| first.eq_ignore_ascii_case(word))
+}
+
+pub(super) fn is_obj(head: &Head<'_>) -> bool {
     let (mut known, mut unknown) = (0, 0);
     let mut vertices = false;
-    for line in std::iter::once((first, second)).chain(content) {
-        if is_obj(line) {
+    for line in head.lines() {
+        let mut words = words(line);
+        let keyword = words.next().unwrap_or_default();
+        let is_statement = match keyword {
+            b"v" | b"vt" | b"vn" => words.next().is_some_and(|word| number(word).is_ok()),
+            b"f" | b"g" | b"o" | b"s" | b"l" | b"p" | b"mtllib" | b"usemtl" => true,
+            _ => false,
+        };
+        if is_statement {
             known += 1
         } else {
             unknown += 1
         }
-        vertices |= line.0 == b"v";
+        vertices |= keyword == b"v";
     }
-    (vertices && known >= LEAST_KNOWN * unknown).then_some(MeshFormat::Obj)
+    vertices && known >= LEAST_KNOWN * unknown
 }
 
-/// Returns whether the size is that of a header of 80 bytes, a count and that many facets of 50
-/// bytes.
-fn is_binary_stl(head: &[u8], size: Option<u64>) -> bool {
-    let count = head.get(80..84).and_then(|bytes| bytes.first_chunk::<4>());
-    let expected = count.map(|&bytes| 84 + 50 * u64::from(u32::from_le_bytes(bytes)));
-    expected.is_some() && expected == size
+/// Beginnings of files that hold no mesh, or one of a format that is not read: in lower case, what
+/// they seem to be, and what helps. Those that begin with < may follow a declaration of XML.
+const OTHERS: [(&[u8], &str); 17] = [
+    (b"<!doctype html", "a web page: download the file itself"),
+    (b"<html", "a web page: download the file itself"),
+    (b"version https://git-lfs", "a pointer of Git LFS: `git lfs pull` fetches the file itself"),
+    (b"kaydara fbx binary", "FBX: export OBJ, PLY or glTF, for example from Blender"),
+    (b"; fbx", "FBX: export OBJ, PLY or glTF, for example from Blender"),
+    (b"blender", "a scene of Blender: export OBJ, PLY or glTF from Blender"),
+    (b"<collada", "COLLADA: export OBJ, PLY or glTF, for example from Blender"),
+    (b"<x3d", "X3D: export OBJ, PLY or glTF, for example from MeshLab"),
+    (b"#vrml", "VRML: export OBJ, PLY or glTF, for example from MeshLab"),
+    (b"iso-10303-21", "STEP: export STL or glTF from the CAD program"),
+    (b"#usda", "USD: export OBJ, PLY or glTF, for example from Blender"),
+    (b"pxr-usdc", "USD: export OBJ, PLY or glTF, for example from Blender"),
+    (b"\x89hdf", "HDF5, which may hold a table but no mesh in a known way"),
+    (b"\x93numpy", "an array of NumPy: a table, not a mesh"),
+    (b"\x89png", "a picture"),
+    (b"\xff\xd8\xff", "a picture"),
+    (b"%pdf", "a PDF document"),
+];
+
+/// Returns what a file that fits no format seems to be, and what helps, where that is known.
+pub(super) fn other(bytes: &[u8]) -> Option<&'static str> {
+    let head = Head::new(bytes, None).bytes.trim_ascii_start();
+    let head = head[..head.len().min(1 << 10)].to_ascii_lowercase();
+    let is_xml = head.starts_with(b"<?xml") || head.starts_with(b"<!--");
+    let begins = |start: &[u8]| {
+        let within = || head.windows(start.len()).any(|window| window == start);
+        head.starts_with(start) || (is_xml && start.starts_with(b"<") && within())
+    };
+    OTHERS.iter().find(|(start, _)| begins(start)).map(|(_, what)| *what)
 }

@@ -1,7 +1,7 @@
 use std::collections::HashMap;
 use std::hash::Hash;
 
-use super::super::TriMesh;
+use super::super::{Part, TriMesh};
 use super::attributes::MeshFile;
 use super::notes::Notes;
 use super::polygon::{corners_of, fan, not_a_fan};
@@ -97,11 +97,45 @@ pub(super) struct Draft {
     polygons: Vec<[u32; 2]>,
     /// Position of the first triangle that has a vertex twice.
     collapsed_at: Option<String>,
+    lost: Lost,
     pub notes: Notes,
 }
 
 impl Draft {
-    /// Adds a vertex.
+    /// Adds a vertex. A position that is not finite counts as lost; `line` is its line in a file
+    /// of text.
+    pub fn push_vertex_or_lose(&mut self, position: [f64; 3], line: Option<usize>) -> Result<()> {
+        if position.iter().all(|x| x.is_finite()) {
+            return push(&mut self.vertices, position);
+        }
+        push(&mut self.lost.0, (self.vertices.len(), line))?;
+        push(&mut self.vertices, [0.0; 3])
+    }
+
+    /// Returns the vertices without a finite position, and notes that they are left out.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] when a face has one of them.
+    pub fn lost(&mut self) -> Result<Lost> {
+        let lost = std::mem::take(&mut self.lost);
+        let Some(&(first, line)) = lost.0.first() else { return Ok(lost) };
+        let place = |vertex: usize, line: Option<usize>| match line {
+            Some(line) => format!("line {line}"),
+            None => format!("vertex {vertex}"),
+        };
+        let find = |v: usize| lost.0.binary_search_by_key(&v, |(vertex, _)| *vertex).ok();
+        let mut corners = self.faces.as_flattened().iter();
+        if let Some(i) = corners.find_map(|&v| find(v as usize)) {
+            let (vertex, line) = lost.0[i];
+            let what = "the position of a vertex of a face is not finite".into();
+            return Err(Error::Mesh { what, element: place(vertex, line) });
+        }
+        let what = "left out vertices without a face whose position is not finite";
+        self.notes.add_many(what, lost.0.len(), || place(first, line));
+        Ok(lost)
+    }
+
+    /// Adds a vertex, whose position must be finite.
     pub fn push_vertex(&mut self, position: [f64; 3]) -> Checked<()> {
         if position.iter().any(|x| !x.is_finite()) {
             return Err(format!("position {position:?} is not finite").into());
@@ -197,6 +231,34 @@ impl Draft {
                 list.get_mut(range.clone()).map(&mut recut);
             }
         }
+    }
+}
+
+/// Vertices without a finite position, each with its line in a file of text. A draft has 0 in place
+/// of their coordinates.
+#[derive(Default)]
+pub(super) struct Lost(Vec<(usize, Option<usize>)>);
+
+impl Lost {
+    /// Returns the file without these vertices, which are in no face.
+    pub fn removed_from(self, file: MeshFile) -> Result<MeshFile> {
+        if self.0.is_empty() {
+            return Ok(file);
+        }
+        let mut lost = self.0.iter().map(|(vertex, _)| *vertex).peekable();
+        let (mut numbers, mut kept) = (Vec::new(), Vec::new());
+        let mut vertices = Vec::new();
+        for (v, &position) in file.mesh.vertices().iter().enumerate() {
+            numbers.push(kept.len() as u32);
+            if lost.next_if_eq(&v).is_none() {
+                kept.push(v as u32);
+                vertices.push(position);
+            }
+        }
+        let faces = file.mesh.faces().iter().map(|face| face.map(|v| numbers[v as usize]));
+        let mesh = TriMesh::new(vertices, faces.collect())?;
+        let faces = (0..mesh.faces().len() as u32).collect();
+        file.part(Part { mesh, vertices: kept, faces })
     }
 }
 

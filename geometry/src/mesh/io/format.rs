@@ -1,11 +1,14 @@
+use std::mem::discriminant;
 use std::path::Path;
 
 use super::super::TriMesh;
 use super::attributes::MeshFile;
 use super::colors::{byte, nearest_byte};
+use super::formats::{Description, FORMATS, Stored, endings};
 use super::gltf::GltfEncoding;
 use super::ply::PlyEncoding;
 use super::stl::StlEncoding;
+use super::vtk::VtkEncoding;
 use catamaran::base::{Error, Result};
 use catamaran::io::Packing;
 
@@ -26,24 +29,58 @@ pub enum MeshFormat {
     Stl(StlEncoding),
     /// Khronos glTF 2.0. The encoding matters for writing only; a reader detects it.
     Gltf(GltfEncoding),
+    /// Legacy VTK. The encoding matters for writing only; a reader takes it from the header.
+    Vtk(VtkEncoding),
+    /// XML files of VTK: PolyData and UnstructuredGrid; only read.
+    VtkXml,
+    /// GIFTI; written in single precision.
+    Gifti,
+    /// Surfaces of FreeSurfer; only read.
+    FreeSurfer,
+    /// Gmsh's MSH, versions 2 and 4.1; only read.
+    Gmsh,
+    /// 3MF; written in millimetres.
+    ThreeMf,
 }
 
 impl MeshFormat {
-    /// Returns the format and the packing that the name of a file implies: `.obj`, `.ply` (binary,
-    /// little endian), `.off`, `.stl` (binary), `.glb`, `.gltf`.
+    /// Returns the format and the packing that the name of a file implies.
     pub(super) fn named(path: &Path) -> (Option<Self>, Packing) {
         let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
         let (stem, packing) = Packing::of(&name);
-        let format = match stem.rsplit_once('.').map(|(_, extension)| extension) {
-            Some("obj") => Some(Self::Obj),
-            Some("ply") => Some(Self::Ply(PlyEncoding::LittleEndian)),
-            Some("off") => Some(Self::Off),
-            Some("stl") => Some(Self::Stl(StlEncoding::Binary)),
-            Some("glb") => Some(Self::Gltf(GltfEncoding::Binary)),
-            Some("gltf") => Some(Self::Gltf(GltfEncoding::Text)),
-            _ => None,
-        };
-        (format, packing)
+        let ending = stem.rsplit_once('.').map_or("", |(_, ending)| ending);
+        let mut all = FORMATS.iter().flat_map(|format| format.endings);
+        (all.find(|(known, _)| *known == ending).map(|(_, format)| *format), packing)
+    }
+
+    /// Returns the row of this format in the table of formats.
+    pub(super) fn description(self) -> &'static Description {
+        let is_own = |(_, format): &(&str, Self)| discriminant(format) == discriminant(&self);
+        let found = FORMATS.iter().find(|format| format.endings.iter().any(is_own));
+        found.unwrap_or(&FORMATS[0])
+    }
+
+    /// Returns the endings of the names of the files that can be read, such as ".obj, .ply or
+    /// .glb"; `.gz` or `.xz` may follow.
+    ///
+    /// ```
+    /// use catamaran_geometry::mesh::io::MeshFormat;
+    ///
+    /// assert!(MeshFormat::readable().starts_with(".obj, .ply, "));
+    /// ```
+    pub fn readable() -> String {
+        endings(false)
+    }
+
+    /// Returns the endings of the names of the files that can be written; `.gz` may follow.
+    ///
+    /// ```
+    /// use catamaran_geometry::mesh::io::MeshFormat;
+    ///
+    /// assert!(MeshFormat::writable().starts_with(".obj, .ply, "));
+    /// ```
+    pub fn writable() -> String {
+        endings(true)
     }
 
     /// Returns the format that the name of a file to be written implies; the name may end in a
@@ -60,19 +97,20 @@ impl MeshFormat {
     /// # Errors
     /// [`Error::Io`] for a name that implies no format.
     pub fn of(path: &Path) -> Result<Self> {
-        let what = "unknown kind of mesh: the name must end in .obj, .ply, .off, .stl, .glb or \
-                    .gltf, and may have .gz or (for reading) .xz after it";
-        Self::named(path).0.ok_or_else(|| Error::file(path, what))
+        let what = match Self::named(path).0 {
+            Some(format) if format.description().written.is_some() => return Ok(format),
+            Some(format) => format!("{} files can only be read", format.title()),
+            None => "unknown kind of mesh".into(),
+        };
+        let known = endings(true);
+        let what = format!(
+            "{what}: the name must end in {known}, and may have .gz or (for reading) .xz after it"
+        );
+        Err(Error::file(path, what))
     }
 
     pub(super) fn title(self) -> &'static str {
-        match self {
-            Self::Obj => "OBJ",
-            Self::Ply(_) => "PLY",
-            Self::Off => "OFF",
-            Self::Stl(_) => "STL",
-            Self::Gltf(_) => "glTF",
-        }
+        self.description().title
     }
 
     /// Returns the attributes of a file that this format can't store and that
@@ -88,32 +126,33 @@ impl MeshFormat {
     /// # Ok::<(), catamaran::Error>(())
     /// ```
     pub fn left_out(self, file: &MeshFile) -> Vec<&'static str> {
-        let of_corners = |corners: Option<bool>| corners == Some(true);
-        let uv = file.uv.as_ref().map(|uv| uv.corners.is_some());
-        let normals = file.normals.as_ref().map(|normals| normals.corners.is_some());
-        let materials = file.materials.is_some();
+        let stores = |what| self.description().stores.contains(&what);
+        let (colors, normals) = (file.colors.is_some(), file.normals.as_ref());
+        let beside = colors && !stores(Stored::NormalsBesideColors);
+        let of_corners = normals.is_some_and(|normals| normals.corners.is_some());
+        let of_corners = of_corners && !beside && !stores(Stored::CornerNormals);
+        let material_files = !file.material_files.is_empty() && !stores(Stored::MaterialFiles);
+        let materials = (file.materials.is_some() || material_files) && !stores(Stored::Materials);
         let groups = file.groups.is_some() || file.objects.is_some();
-        let (is_obj, is_off) = (self == Self::Obj, self == Self::Off);
-        let is_stl = matches!(self, Self::Stl(_));
-        let is_gltf = matches!(self, Self::Gltf(_));
-        let whole = is_obj || is_gltf;
+        let normals = normals.map(|_| stores(Stored::Normals));
+        let lone = !stores(Stored::LoneVertices) && has_lone_vertices(&file.mesh);
         let all = [
-            (is_stl && has_lone_vertices(&file.mesh), "vertices without a face"),
-            ((is_stl || is_off) && uv.is_some(), "texture coordinates"),
-            (is_stl && normals.is_some(), "normals"),
-            (is_off && normals.is_some() && file.colors.is_some(), "normals beside colours"),
-            (is_off && of_corners(normals) && file.colors.is_none(), "normals of corners"),
-            (!is_stl && !is_off && !whole && of_corners(normals), "normals of corners"),
-            (is_stl && file.colors.is_some(), "colours"),
-            (!whole && (materials || !file.material_files.is_empty()), "materials"),
-            (is_gltf && !file.material_files.is_empty(), "files of materials"),
-            (!is_obj && groups, "groups"),
+            (lone, "vertices without a face"),
+            (file.uv.is_some() && !stores(Stored::Uv), "texture coordinates"),
+            (normals == Some(false), "normals"),
+            (normals == Some(true) && beside, "normals beside colours"),
+            (normals == Some(true) && of_corners, "normals of corners"),
+            (colors && !stores(Stored::Colors), "colours"),
+            (materials, "materials"),
+            (material_files && !materials, "files of materials"),
+            (groups && !stores(Stored::Groups), "groups"),
+            (!file.scalars.is_empty() && !stores(Stored::Scalars), "scalars"),
         ];
         all.into_iter().filter(|(lost, _)| *lost).map(|(_, what)| what).collect()
     }
 
     /// Returns the format that has every digit as text, instead of single precision or binary
-    /// numbers; `None` for glTF, whose coordinates have single precision as text, too.
+    /// numbers; `None` for those that have single precision as text, too, or are only read.
     ///
     /// ```
     /// use catamaran_geometry::mesh::io::{MeshFormat, PlyEncoding, StlEncoding};
@@ -124,12 +163,7 @@ impl MeshFormat {
     /// # Ok::<(), catamaran::Error>(())
     /// ```
     pub fn as_text(self) -> Option<Self> {
-        match self {
-            Self::Obj | Self::Off => Some(self),
-            Self::Ply(_) => Some(Self::Ply(PlyEncoding::Ascii)),
-            Self::Stl(_) => Some(Self::Stl(StlEncoding::Ascii)),
-            Self::Gltf(_) => None,
-        }
+        self.description().text
     }
 
     /// Adds notes about attributes that this format rounds or fills in.
@@ -151,6 +185,16 @@ impl MeshFormat {
             } else if numbers.iter().any(|&x| byte(x).is_none()) {
                 notes.push("rounded colours to 256 levels".into());
             }
+        }
+        let levels = |x: &f64| byte(*x).is_none();
+        let mut colors = file.colors.iter().flat_map(|colors| colors.as_flattened());
+        if self == Self::Vtk(VtkEncoding::Binary) && colors.any(levels) {
+            notes.push("rounded colours to 256 levels from 0 to 1".into());
+        }
+        let is_rounded = |x: &f64| f64::from(*x as f32) != *x && !x.is_nan();
+        let mut scalars = file.scalars.iter().flat_map(|scalars| &scalars.values);
+        if self == Self::Gifti && scalars.any(is_rounded) {
+            notes.push("rounded scalars to single precision".into());
         }
         let binary_ply = is_ply && self != Self::Ply(PlyEncoding::Ascii);
         if binary_ply || matches!(self, Self::Gltf(_)) {

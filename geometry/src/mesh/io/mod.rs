@@ -1,20 +1,27 @@
-//! Mesh files: reads and writes OBJ, PLY, OFF, STL and glTF, also gzipped (`.gz`), and reads `.xz`.
+//! Mesh files: reads and writes OBJ, PLY, OFF, STL, glTF, legacy VTK, GIFTI and 3MF, also gzipped
+//! (`.gz`), and reads VTK's XML, FreeSurfer and Gmsh, and `.xz`.
 //!
 //! A reader does not trust the file: counts in a header reserve no memory before the bytes are
 //! read, an error names the file and the line or the element, and a file that needs more memory
 //! than the limit is refused ([`SourceOptions::max_memory`]). The reader notes what it leaves out
 //! or replaces ([`MeshFile::notes`]). A writer keeps every bit of the coordinates, except in binary
-//! STL and glTF, which have single precision: there it returns a note with the largest distance by
-//! which a vertex moves, and an error if a face would vanish. In glTF, coordinates count from the
-//! middle of the mesh where that is more accurate, and a node moves them back. The file appears
-//! when it is complete, or not at all ([`Output`]).
+//! STL, GIFTI and glTF, which have single precision: there it returns a note with the largest
+//! distance by which a vertex moves, and an error if a face would vanish. In glTF, coordinates
+//! count from the middle of the mesh where that is more accurate, and a node moves them back. The
+//! file appears when it is complete, or not at all ([`Output`]).
 
 mod attributes;
 mod colors;
+mod cursor;
+mod dataset;
 mod detect;
 mod draft;
 mod format;
+mod formats;
+mod freesurfer;
+mod gifti;
 mod gltf;
+mod gmsh;
 mod labels;
 mod notes;
 mod obj;
@@ -24,12 +31,16 @@ mod polygon;
 mod refined;
 mod rounding;
 mod stl;
+mod stored;
 mod text;
+mod threemf;
+mod vtk;
+mod xml;
 
-use std::io::Write;
-use std::path::Path;
+use std::io::{BufRead, Write};
+use std::path::{Path, PathBuf};
 
-pub use attributes::{Attribute, MeshFile};
+pub use attributes::{Attribute, MeshFile, Scalars};
 pub use format::MeshFormat;
 #[doc(hidden)]
 pub use gltf::write_glb;
@@ -37,6 +48,7 @@ pub use gltf::{GltfEncoding, Material, Picture};
 pub use labels::Labels;
 pub use ply::PlyEncoding;
 pub use stl::StlEncoding;
+pub use vtk::VtkEncoding;
 
 use self::rounding::Rounding;
 use catamaran::base::{Error, Result};
@@ -48,18 +60,28 @@ use catamaran::io::{Output, Packing, Source, SourceOptions};
 /// - A polygon becomes a fan of triangles around its first corner where the fan covers it, as for a
 ///   convex polygon, and is cut into ears otherwise. Triangles that have a vertex twice are left
 ///   out ([`MeshFile::collapsed_faces`]).
-/// - Numbers of colours, normals and texture coordinates that are not finite become 0; a position
-///   that is not finite is an error.
-/// - `.obj`: `v` (with colours after the position), `vt`, `vn`, `f` with negative numbers too,
-///   names of materials, groups and objects; other statements are skipped.
+/// - Numbers of colours, normals and texture coordinates that are not finite become 0. A vertex
+///   whose position is not finite is left out (OBJ, PLY, OFF) unless a face has it: then it is an
+///   error.
+/// - Text may be in UTF-8, Latin-1 or UTF-16, with any line ends. An empty file is an error.
+/// - `.obj`: `v` (with colours after the position, or those of `#MRGB`), `vt`, `vn`, `f` with
+///   negative numbers too, names of materials, groups and objects; other statements, and texture
+///   coordinates and normals that the file lacks, are skipped.
 /// - `.ply`: ASCII and both binary encodings, properties of any type in any order; faces and
-///   triangle strips. Elements of other names are skipped.
-/// - `.off`: with the prefixes ST, C and N; comments; lines may end anywhere.
-/// - `.stl`: binary and text. Vertices with equal coordinates become one.
+///   triangle strips. Elements of other names, and what the header does not announce, are skipped.
+/// - `.off`: with the prefixes ST, C, N, 4 and n; comments; lines may end anywhere.
+/// - `.stl`: binary and text. Vertices with equal coordinates become one. Where the header of a
+///   binary file has no number of facets, its size decides.
 /// - `.glb`, `.gltf`: the triangles of the scene, at the places of its nodes and their instances,
 ///   with the morph targets that have a weight; skinned meshes as they are modelled. Vertices of a
 ///   mesh with equal positions and colours become one. An extension that a file requires is
 ///   supported or an error.
+/// - `.vtk`, `.vtp`, `.vtu`: the faces of polygons and unstructured grids, and the values of their
+///   points; text, binary, and XML packed by zlib.
+/// - `.gii`: points, triangles and values of vertices (GIFTI).
+/// - `.white`, `.pial` and others: surfaces of FreeSurfer, of triangles and of quadrilaterals.
+/// - `.msh`: the faces of Gmsh's versions 2 and 4.1, text and binary, and values of nodes.
+/// - `.3mf`: the objects of the build in their places, in millimetres.
 ///
 /// What is left out or replaced is in [`MeshFile::notes`].
 ///
@@ -103,10 +125,23 @@ pub fn read(path: &Path) -> Result<MeshFile> {
 /// # Errors
 /// As those of [`read()`], and [`Error::Cancelled`].
 pub fn read_with(path: &Path, options: &SourceOptions<'_>) -> Result<MeshFile> {
+    if path.metadata().is_ok_and(|about| about.is_file() && about.len() == 0) {
+        return Err(empty(path));
+    }
     let (named, named_packing) = MeshFormat::named(path);
     let packing = |head: &[u8]| detect::packing(head, named_packing);
     let mut source = Source::open_packed(path, packing, options)?;
-    let found = detect::format(&source.peek(detect::LOOK)?, source.size());
+    let head = source.peek(detect::LOOK)?;
+    if head.is_empty() {
+        return Err(empty(path));
+    }
+    let found = detect::format(&head, source.size());
+    if let (None, Some(what)) = (found, detect::other(&head)) {
+        return Err(Error::file(
+            path,
+            format!("is no mesh of a known format: it seems to be {what}"),
+        ));
+    }
     let mut notes = Vec::new();
     if source.packing() != named_packing {
         notes.push(format!("{}, although its name says otherwise", packed(source.packing())));
@@ -123,13 +158,27 @@ pub fn read_with(path: &Path, options: &SourceOptions<'_>) -> Result<MeshFile> {
             found
         }
         (None, None) => {
-            let what = "unknown kind of mesh: name and content are not OBJ, PLY, OFF, STL or glTF";
+            let (known, read) = (formats::titles(), MeshFormat::readable());
+            let what = format!(
+                "unknown kind of mesh: name and content are not {known}; the name may end in {read}"
+            );
             return Err(Error::file(path, what));
         }
     };
     let mut file = read_source(&mut source, format, path)?;
     notes.append(&mut file.notes);
     Ok(MeshFile { notes, ..file })
+}
+
+/// Returns the rows of the table of formats in the guide, in Markdown: name, endings, coordinates
+/// and what else is stored.
+#[doc(hidden)]
+pub fn rows_of_guide() -> String {
+    formats::rows()
+}
+
+fn empty(path: &Path) -> Error {
+    Error::file(path, "is empty: it has 0 bytes")
 }
 
 fn packed(packing: Packing) -> &'static str {
@@ -153,35 +202,102 @@ fn packed(packing: Packing) -> &'static str {
 /// # Errors
 /// As those of [`read()`]; the path is that of the format's usual name.
 pub fn read_bytes(bytes: &[u8], format: MeshFormat) -> Result<MeshFile> {
-    let path = usual_name(format);
+    let path = &usual_name(format);
+    if bytes.is_empty() {
+        return Err(empty(path));
+    }
     read_source(&mut Source::of_bytes(path, bytes), format, path)
 }
 
 /// Returns the name of a file of this format that errors about bytes in memory have.
-fn usual_name(format: MeshFormat) -> &'static Path {
-    Path::new(match format {
-        MeshFormat::Obj => "mesh.obj",
-        MeshFormat::Ply(_) => "mesh.ply",
-        MeshFormat::Off => "mesh.off",
-        MeshFormat::Stl(_) => "mesh.stl",
-        MeshFormat::Gltf(_) => "mesh.gltf",
-    })
+fn usual_name(format: MeshFormat) -> PathBuf {
+    let endings = format.description().endings;
+    let own = endings.iter().find(|(_, known)| *known == format).or(endings.first());
+    format!("mesh.{}", own.map_or("", |(ending, _)| *ending)).into()
 }
 
 fn read_source(source: &mut Source<'_>, format: MeshFormat, path: &Path) -> Result<MeshFile> {
-    let read = match format {
-        MeshFormat::Obj => obj::read(source),
-        MeshFormat::Ply(_) => ply::read(source),
-        MeshFormat::Off => off::read(source),
-        MeshFormat::Stl(_) => stl::read(source),
-        MeshFormat::Gltf(_) => gltf::read(source),
-    };
+    // Text of other encodings and line ends is rewritten; it is rare, so memory matters less.
+    let unusual = source.fill_buf().map(|head| {
+        let start = &head[..head.len().min(8)];
+        (text::of_utf16(start).is_some(), text::ends_in_returns(head))
+    });
+    let (is_utf16, ends_in_returns) = unusual.map_err(|e| source.io_error(e))?;
+    if is_utf16 || ends_in_returns {
+        let bytes = source.read_all()?;
+        let mut bytes = text::of_utf16(&bytes).unwrap_or(bytes);
+        if text::ends_in_returns(&bytes) {
+            text::returns_to_feeds(&mut bytes);
+        }
+        return read_lines(&mut Source::of_bytes(path, &bytes), format, path);
+    }
+    read_lines(source, format, path)
+}
+
+fn read_lines(source: &mut Source<'_>, format: MeshFormat, path: &Path) -> Result<MeshFile> {
+    let read = (format.description().read)(source);
     read.map_err(|error| match error {
         Error::Mesh { what, element } => {
             Error::Mesh { what, element: format!("{}: {element}", path.display()) }
         }
         other => other,
     })
+}
+
+/// Reads the values of vertices in the file at `path`: those of a mesh, of a GIFTI file without a
+/// surface, of a file of FreeSurfer (`.curv`, `.thickness` and others), or the numbers of labels of
+/// its `.annot`, -1 for none.
+///
+/// ```
+/// use catamaran_geometry::mesh::io::read_scalars;
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// let path = &folder.path().join("lh.thickness");
+/// // The number of vertices, of faces, and of values of a vertex.
+/// let head = [&[255u8; 3][..], &[0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 1]].concat();
+/// std::fs::write(path, [head, [2.5f32, 3.0].map(f32::to_be_bytes).concat()].concat()).unwrap();
+/// let thickness = &read_scalars(path)?[0];
+/// assert_eq!((&thickness.name[..], &thickness.values[..]), ("thickness", &[2.5, 3.0][..]));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// As those of [`read()`], also when the file has no values of vertices.
+pub fn read_scalars(path: &Path) -> Result<Vec<Scalars>> {
+    let named = MeshFormat::named(path);
+    let mut source =
+        Source::open_packed(path, |head| detect::packing(head, named.1), &SourceOptions::new())?;
+    let head = source.peek(detect::LOOK)?;
+    let is_annotation = path.extension().is_some_and(|ending| ending == "annot");
+    let scalars = match detect::format(&head, source.size()) {
+        _ if is_annotation => freesurfer::scalars(&mut source)?,
+        Some(MeshFormat::Gifti) => gifti::scalars(&mut source)?,
+        Some(MeshFormat::FreeSurfer) => freesurfer::scalars(&mut source)?,
+        None if named.0.is_none() => freesurfer::scalars(&mut source)?,
+        _ => read(path)?.scalars,
+    };
+    match scalars.is_empty() {
+        true => Err(Error::file(path, "has no values of vertices")),
+        false => Ok(scalars),
+    }
+}
+
+/// Returns whether [`read_scalars`] may read a file of this name: other names are those of tables.
+///
+/// ```
+/// use catamaran_geometry::mesh::io::names_scalars;
+///
+/// assert!(names_scalars("lh.thickness".as_ref()) && names_scalars("a.shape.gii".as_ref()));
+/// assert!(!names_scalars("a.csv".as_ref()));
+/// ```
+pub fn names_scalars(path: &Path) -> bool {
+    let ending = path.extension().unwrap_or_default().to_string_lossy();
+    let mesh = matches!(&*ending, "gii" | "vtk" | "vtp" | "vtu" | "msh");
+    let freesurfer = matches!(
+        &*ending,
+        "annot" | "area" | "avg_curv" | "curv" | "sulc" | "thickness" | "volume"
+    );
+    mesh || freesurfer
 }
 
 /// Writes `file` into `output` in the format that its name implies; the file appears when it is
@@ -248,7 +364,7 @@ pub fn write_as(output: Output, file: &MeshFile, format: MeshFormat) -> Result<V
 /// # Errors
 /// As those of [`write()`]; the path is that of the format's usual name.
 pub fn write_bytes(file: &MeshFile, format: MeshFormat) -> Result<(Vec<u8>, Vec<String>)> {
-    let path = usual_name(format);
+    let path = &usual_name(format);
     let rounding = rounding_of(path, file, format)?;
     let mut bytes = Vec::new();
     encode(&mut bytes, file, format, &rounding).map_err(|e| Error::io(path, e))?;
@@ -268,6 +384,13 @@ fn encode(
         MeshFormat::Off => off::write(sink, file),
         MeshFormat::Stl(encoding) => stl::write(sink, &file.mesh, encoding),
         MeshFormat::Gltf(encoding) => gltf::write(sink, file, encoding, rounding),
+        MeshFormat::Vtk(encoding) => vtk::write(sink, file, encoding),
+        MeshFormat::Gifti => gifti::write(sink, file, rounding),
+        MeshFormat::ThreeMf => threemf::write(sink, &file.mesh),
+        MeshFormat::VtkXml | MeshFormat::FreeSurfer | MeshFormat::Gmsh => {
+            let what = format!("{} files can only be read", format.title());
+            Err(std::io::Error::new(std::io::ErrorKind::Unsupported, what))
+        }
     }
 }
 
@@ -289,7 +412,9 @@ fn rounding_of(path: &Path, file: &MeshFile, format: MeshFormat) -> Result<Round
     file.check()?;
     file.check_finite()?;
     match format {
-        MeshFormat::Stl(StlEncoding::Binary) => Rounding::from_zero(&file.mesh, path),
+        MeshFormat::Stl(StlEncoding::Binary) | MeshFormat::Gifti => {
+            Rounding::from_zero(&file.mesh, path)
+        }
         MeshFormat::Gltf(_) => Rounding::from_middle(&file.mesh, path),
         _ => Ok(Rounding::default()),
     }

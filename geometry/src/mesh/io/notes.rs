@@ -14,7 +14,8 @@ struct Kind {
 }
 
 impl Notes {
-    /// Counts one more note of a kind; `place` is called for the first of its kind only.
+    /// Counts one more note of a kind; `place` is called for the first of its kind only. It returns
+    /// nothing where the note tells the place.
     pub fn add(&mut self, what: impl Into<Cow<'static, str>>, place: impl FnOnce() -> String) {
         self.add_many(what, 1, place);
     }
@@ -38,8 +39,10 @@ impl Notes {
 
     /// Returns one line for each kind of note.
     pub fn lines(self) -> Vec<String> {
-        let line =
-            |kind: Kind| format!("{}: {}, the first at {}", kind.what, kind.count, kind.first);
+        let line = |Kind { what, count, first }: Kind| match first.is_empty() {
+            true => format!("{what}: {count}"),
+            false => format!("{what}: {count}, the first at {first}"),
+        };
         self.0.into_iter().map(line).collect()
     }
 }

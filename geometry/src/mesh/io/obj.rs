@@ -1,5 +1,6 @@
 //! Wavefront OBJ (Wavefront Technologies, Advanced Visualizer manual, appendix B1). Only polygons
-//! are read. Colours follow the positions, as MeshLab and Blender write them.
+//! are read. Colours follow the positions, as MeshLab and Blender write them, or are in comments
+//! that begin with #MRGB, as ZBrush writes them.
 
 use std::io::{self, Write};
 
@@ -15,6 +16,9 @@ use catamaran::io::Source;
 
 /// A corner without texture coordinates or normal.
 const ABSENT: u32 = u32::MAX;
+
+/// An index that no item has.
+const MISSING: u32 = ABSENT - 1;
 
 /// Statements about the appearance of triangles, which are skipped.
 const LOOKS: [&[u8]; 13] = [
@@ -76,6 +80,8 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
 struct Reader {
     draft: Draft,
     colors: Colors,
+    /// The colours of comments that begin with #MRGB.
+    polypaint: Vec<[f64; 4]>,
     uv: Values<2>,
     normals: Values<3>,
     vertex_refs: Furthest,
@@ -96,7 +102,7 @@ impl Reader {
     fn statement(&mut self, line: &[u8], number: usize) -> Checked<()> {
         let bare = line.split(|&byte| byte == b'#').next().unwrap_or_default();
         let mut words = words(bare);
-        let Some(keyword) = words.next() else { return Ok(()) };
+        let Some(keyword) = words.next() else { return self.polypaint(line, number) };
         let faces = self.draft.faces.len();
         // A name may contain a #, so names keep what other statements take for a comment.
         let rest = || line.trim_ascii_start().get(keyword.len()..).unwrap_or_default();
@@ -144,25 +150,46 @@ impl Reader {
         let mut written = [&[][..]; 4];
         let mut given = 0;
         for word in words {
-            if given == 4 {
-                return Err("a vertex has at most 7 numbers".into());
-            }
-            color[given] = number(word)?;
-            written[given] = word;
             given += 1;
+            match (color.get_mut(given - 1), written.get_mut(given - 1), number(word)) {
+                (Some(x), Some(place), Ok(value)) => (*x, *place) = (value, word),
+                // No colour: these have 3 or 4 numbers.
+                _ => given = 5,
+            }
         }
         match given {
             // A fourth number is a weight, which only curves use.
             0 | 1 => {}
-            2 => return Err("a vertex with a colour has 6 or 7 numbers, not 5".into()),
-            _ => {
+            3 | 4 => {
                 self.colors.has_opacity |= given == 4;
                 written[..given].iter().for_each(|word| self.colors.see(word));
                 let color = self.draft.finite(color, || format!("line {line}"));
                 push(&mut self.colors.values, color)?;
             }
+            _ => {
+                let what = "left out numbers after positions, which have 3 or 4 where they are \
+                            colours: vertices";
+                self.draft.notes.add(what, || format!("line {line}"));
+            }
         }
-        self.draft.push_vertex(position)
+        Ok(self.draft.push_vertex_or_lose(position, Some(line))?)
+    }
+
+    /// Reads the colours in a comment of ZBrush: a mask, red, green and blue of each vertex, of two
+    /// hexadecimal digits each.
+    fn polypaint(&mut self, line: &[u8], number: usize) -> Checked<()> {
+        let Some(colors) = line.trim_ascii().strip_prefix(b"#MRGB") else { return Ok(()) };
+        for digits in colors.trim_ascii().chunks(8) {
+            let text = std::str::from_utf8(digits).ok().filter(|text| text.len() == 8);
+            let Some(color) = text.and_then(|text| u32::from_str_radix(text, 16).ok()) else {
+                let what = "left out colours (#MRGB) that are not hexadecimal numbers";
+                self.draft.notes.add(what, || format!("line {number}"));
+                continue;
+            };
+            let [_, r, g, b] = color.to_be_bytes().map(|byte| f64::from(byte) / 255.0);
+            push(&mut self.polypaint, [r, g, b, 1.0])?;
+        }
+        Ok(())
     }
 
     fn face<'a>(&mut self, words: impl Iterator<Item = &'a [u8]>, line: usize) -> Checked<()> {
@@ -174,9 +201,8 @@ impl Reader {
             let vertex = parts.next().unwrap_or_default();
             let count = self.draft.vertices.len();
             push(&mut self.corners, self.vertex_refs.resolve("vertex", vertex, count, line)?)?;
-            let uv = self.uv.resolve("texture coordinate", parts.next(), line)?;
-            push(&mut self.uv_corners, uv)?;
-            let normal = self.normals.resolve("normal", parts.next(), line)?;
+            push(&mut self.uv_corners, self.uv.resolve(parts.next(), line)?)?;
+            let normal = self.normals.resolve(parts.next(), line)?;
             push(&mut self.normal_corners, normal)?;
             if parts.next().is_some() {
                 return Err(format!("{} is not a corner v/vt/vn", quoted(word)).into());
@@ -203,8 +229,9 @@ impl Reader {
         }
         let (count, faces) = (self.draft.vertices.len(), self.draft.faces.len());
         self.vertex_refs.check("vertex", count, source)?;
-        self.uv.refs.check("texture coordinate", self.uv.values.len(), source)?;
-        self.normals.refs.check("normal", self.normals.values.len(), source)?;
+        self.uv.leave_out_missing("texture coordinates", &mut self.draft);
+        self.normals.leave_out_missing("normals", &mut self.draft);
+        let lost = self.draft.lost()?;
         let names = [&mut self.materials, &mut self.groups, &mut self.objects];
         names.into_iter().filter(|n| !n.names.is_empty()).try_for_each(|n| n.label(faces))?;
         let mut file = self.draft.finish(
@@ -215,8 +242,11 @@ impl Reader {
                 &mut self.objects.of_faces,
             ],
         )?;
+        if self.colors.values.is_empty() {
+            self.colors.values = self.polypaint;
+        }
         let colors = self.colors.finish(count, &mut file.notes);
-        Ok(MeshFile {
+        lost.removed_from(MeshFile {
             uv: self.uv.finish(&file.mesh),
             normals: self.normals.finish(&file.mesh),
             colors,
@@ -276,6 +306,17 @@ impl Names {
     }
 }
 
+/// Returns the index from 0 of a number in a face: positive numbers count from 1, negative ones
+/// backwards from the last of the `count` items so far. `None` where no item can have it.
+fn index_of(number: i64, count: usize) -> Option<u32> {
+    let index = match number {
+        0 => None,
+        1.. => u32::try_from(number - 1).ok(),
+        _ => u32::try_from(number.saturating_add_unsigned(count as u64)).ok(),
+    };
+    index.filter(|&index| index < MISSING)
+}
+
 /// The largest index used so far, and its line: OBJ allows an index before the item that it names.
 #[derive(Default)]
 struct Furthest {
@@ -284,17 +325,11 @@ struct Furthest {
 }
 
 impl Furthest {
-    /// Returns the index from 0 of a number in a face: positive numbers count from 1, negative ones
-    /// backwards from the last of the `count` items so far.
+    /// Returns the index of a number in a face.
     fn resolve(&mut self, what: &str, word: &[u8], count: usize, line: usize) -> Checked<u32> {
         let number = integer(word)?;
-        let index = match number {
-            0 => None,
-            1.. => u32::try_from(number - 1).ok().filter(|&index| index != ABSENT),
-            _ => u32::try_from(number.saturating_add_unsigned(count as u64)).ok(),
-        };
         let wrong = || format!("{what} {number} is out of range: {count} so far");
-        let index = index.ok_or_else(wrong)?;
+        let index = index_of(number, count).ok_or_else(wrong)?;
         if index as usize >= self.end {
             *self = Self { end: index as usize + 1, line };
         }
@@ -315,12 +350,13 @@ struct Values<const N: usize> {
     values: Vec<[f64; N]>,
     /// The indices of each face, empty until a face has any.
     corners: Vec<[u32; 3]>,
-    refs: Furthest,
+    /// The line of the first index of an item that the file did not have there.
+    ahead: Option<usize>,
 }
 
 impl<const N: usize> Default for Values<N> {
     fn default() -> Self {
-        Self { values: Vec::new(), corners: Vec::new(), refs: Furthest::default() }
+        Self { values: Vec::new(), corners: Vec::new(), ahead: None }
     }
 }
 
@@ -333,22 +369,45 @@ impl<const N: usize> Values<N> {
     ) -> Checked<()> {
         let mut value = [0.0; N];
         let needed = if N == 2 { 1 } else { N };
+        let mut is_whole = true;
         for (i, x) in value.iter_mut().enumerate() {
-            match words.next() {
-                Some(word) => *x = number(word)?,
+            match words.next().map(number) {
+                Some(Ok(given)) => *x = given,
                 None if i >= needed => {}
-                None => return Err(format!("{i} numbers where {needed} are needed").into()),
+                _ => is_whole = false,
             }
+        }
+        if !is_whole {
+            let what = "took 0 for numbers of normals and texture coordinates that are missing";
+            draft.notes.add(what, || format!("line {line}"));
         }
         let value = draft.finite(value, || format!("line {line}"));
         Ok(push(&mut self.values, value)?)
     }
 
-    fn resolve(&mut self, what: &str, word: Option<&[u8]>, line: usize) -> Checked<u32> {
-        match word {
-            None | Some([]) => Ok(ABSENT),
-            Some(word) => self.refs.resolve(what, word, self.values.len(), line),
+    fn resolve(&mut self, word: Option<&[u8]>, line: usize) -> Checked<u32> {
+        let Some(word) = word.filter(|word| !word.is_empty()) else { return Ok(ABSENT) };
+        let index = index_of(integer(word)?, self.values.len()).unwrap_or(MISSING);
+        if index as usize >= self.values.len() {
+            self.ahead.get_or_insert(line);
         }
+        Ok(index)
+    }
+
+    /// Takes the indices from triangles of which the file lacks an item of this kind, `what`.
+    fn leave_out_missing(&mut self, what: &str, draft: &mut Draft) {
+        let Some(line) = self.ahead else { return };
+        let count = self.values.len();
+        let lacks = |corners: &[u32; 3]| {
+            *corners != [ABSENT; 3] && corners.iter().any(|&index| index as usize >= count)
+        };
+        let mut left_out = 0;
+        for corners in self.corners.iter_mut().filter(|corners| lacks(corners)) {
+            *corners = [ABSENT; 3];
+            left_out += 1;
+        }
+        let what = format!("left out {what} that the file lacks, of triangles");
+        draft.notes.add_many(what, left_out, || format!("line {line}"));
     }
 
     /// Adds the values of a polygon, as [`Draft::push_polygon`] does, after `faces` faces. Returns
@@ -368,13 +427,17 @@ impl<const N: usize> Values<N> {
     }
 
     fn finish(self, mesh: &TriMesh) -> Option<Attribute<N>> {
-        let any = !self.corners.is_empty();
+        let any = self.corners.iter().any(|corners| *corners != [ABSENT; 3]);
         any.then(|| Attribute::simplified(self.values, self.corners, mesh))
     }
 }
 
 pub(super) fn write(sink: &mut dyn Write, file: &MeshFile) -> io::Result<()> {
     let opaque = file.colors.iter().flatten().all(|color| color[3] == 1.0);
+    // Readers take an empty file for one that was cut off.
+    if file.mesh.vertices().is_empty() {
+        writeln!(sink, "# no vertices")?;
+    }
     for name in &file.material_files {
         writeln!(sink, "mtllib {name}")?;
     }

@@ -1,21 +1,25 @@
-//! Geomview OFF (Phillips, Levy and Munzner 1993), ASCII, three-dimensional.
+//! Geomview OFF (Phillips, Levy and Munzner 1993), ASCII.
 
 use std::fmt::Display;
 use std::io::{self, Write};
 
 use super::attributes::{Attribute, MeshFile};
 use super::colors::Colors;
-use super::draft::{Checked, Draft, Fault, roomy};
+use super::draft::{Checked, Draft, roomy};
 use super::text::{count, integer, number, quoted, words};
 use catamaran::base::{Result, push};
 use catamaran::io::Source;
 
-/// The attributes of a vertex besides its position.
+/// What the header says of the vertices.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Kind {
     normals: bool,
     colors: bool,
     uv: bool,
+    /// Whether a weight follows the coordinates, by which they are divided.
+    weighted: bool,
+    /// Whether the number of coordinates is in the file.
+    dimensions: bool,
 }
 
 /// The words of a file, regardless of line breaks.
@@ -35,9 +39,9 @@ impl<'s, 'a> Tokens<'s, 'a> {
         self.line.get(self.taken..).unwrap_or_default()
     }
 
-    /// Returns the number of words left on the line, at most `COLOR + 3`.
+    /// Returns the number of words left on the line, at most [`MOST_LEFT`].
     fn left(&self) -> usize {
-        words(self.rest()).take(COLOR + 3).count()
+        words(self.rest()).take(MOST_LEFT).count()
     }
 
     /// Moves to the next line that has words; returns false at the end of the file.
@@ -82,24 +86,25 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
     }
 }
 
-/// Parses the word OFF with its prefixes.
-fn header(word: &[u8]) -> Checked<Kind> {
-    let not_ours = || Fault::from(format!("{} is not OFF with prefixes ST, C, N", quoted(word)));
-    kind_of(word).ok_or_else(not_ours)
-}
-
-/// Returns the attributes that the first word of a file announces, if the file is OFF.
-pub(super) fn kind_of(word: &[u8]) -> Option<Kind> {
-    let mut prefix = word.strip_suffix(b"OFF")?;
-    let mut strip = |part: &[u8]| match prefix.strip_prefix(part) {
-        Some(rest) => {
-            prefix = rest;
-            true
-        }
-        None => false,
-    };
-    let kind = Kind { uv: strip(b"ST"), colors: strip(b"C"), normals: strip(b"N") };
-    prefix.is_empty().then_some(kind)
+/// Returns what the first word of a file says of the vertices, if the file is OFF, and the number
+/// of digits after OFF: some programs write the number of vertices without a blank before it.
+pub(super) fn kind_of(word: &[u8]) -> Option<(Kind, usize)> {
+    let end = word.windows(3).position(|part| part == b"OFF")?;
+    let (mut prefix, digits) = (&word[..end], &word[end + 3..]);
+    let mut kind = Kind::default();
+    while !prefix.is_empty() {
+        let (flag, length) = match prefix {
+            [b'S', b'T', ..] => (&mut kind.uv, 2),
+            [b'C', ..] => (&mut kind.colors, 1),
+            [b'N', ..] => (&mut kind.normals, 1),
+            [b'4', ..] => (&mut kind.weighted, 1),
+            [b'n', ..] => (&mut kind.dimensions, 1),
+            _ => return None,
+        };
+        *flag = true;
+        prefix = &prefix[length..];
+    }
+    digits.iter().all(u8::is_ascii_digit).then_some((kind, digits.len()))
 }
 
 /// Reads the numbers of vertices and faces. The number of edges is ignored, and may be missing
@@ -118,9 +123,14 @@ fn counts(tokens: &mut Tokens<'_, '_>) -> Checked<[usize; 2]> {
 /// Largest number of components of a colour.
 const COLOR: usize = 4;
 
+/// Words of a line that are counted: those of two vertices with all attributes.
+const MOST_LEFT: usize = 32;
+
 #[derive(Default)]
 struct Reader {
     kind: Kind,
+    /// The number of coordinates of a vertex.
+    dimensions: usize,
     draft: Draft,
     normals: Vec<[f64; 3]>,
     colors: Colors,
@@ -133,11 +143,28 @@ struct Reader {
 
 impl Reader {
     fn read(tokens: &mut Tokens<'_, '_>) -> Checked<Self> {
-        let mut reader = Self { kind: header(tokens.next("header")?)?, ..Self::default() };
+        let header = tokens.next("header")?;
+        let Some((kind, digits)) = kind_of(header) else {
+            let what = format!("{} is not OFF with prefixes ST, C, N, 4, n", quoted(header));
+            return Err(what.into());
+        };
+        tokens.taken -= digits;
         if words(tokens.rest()).next() == Some(b"BINARY") {
             return Err("binary OFF files are not supported".into());
         }
+        let dimensions =
+            if kind.dimensions { count(tokens.next("number of coordinates")?)? } else { 3 };
+        if dimensions == 0 {
+            return Err("vertices without coordinates".into());
+        }
+        let mut reader = Self { kind, dimensions, ..Self::default() };
         let [vertices, faces] = counts(tokens)?;
+        // No vertex of three coordinates is alone on this line.
+        if tokens.left() == 1 && dimensions > 2 {
+            let line = tokens.source.line();
+            reader.draft.notes.add("left out a number after the counts", || format!("line {line}"));
+            tokens.taken = tokens.line.len();
+        }
         reader.draft.vertices = roomy(vertices);
         for v in 0..vertices {
             reader.vertex(tokens, &format_args!("vertex {v} of {vertices}"))?;
@@ -147,44 +174,81 @@ impl Reader {
         for f in 0..faces {
             reader.face(tokens, &format_args!("face {f} of {faces}"))?;
         }
-        if tokens.next_line()? {
-            return Err("text after the last face".into());
+        while tokens.next_line()? {
+            let line = tokens.source.line();
+            reader.draft.notes.add("left out lines after the last face", || format!("line {line}"));
+            tokens.taken = tokens.line.len();
         }
         Ok(reader)
     }
 
-    fn vertex(&mut self, tokens: &mut Tokens<'_, '_>, what: &dyn Display) -> Checked<()> {
-        self.draft.push_vertex(tokens.numbers(what)?)?;
+    /// Reads a position of any number of coordinates, of which the first three count, and which a
+    /// weight may follow.
+    fn position(&mut self, tokens: &mut Tokens<'_, '_>, what: &dyn Display) -> Checked<[f64; 3]> {
+        if self.dimensions == 3 && !self.kind.weighted {
+            return tokens.numbers(what);
+        }
+        let mut position = [0.0; 3];
+        for k in 0..self.dimensions {
+            let x = number(tokens.next(what)?)?;
+            if let Some(place) = position.get_mut(k) {
+                *place = x;
+            }
+        }
         let line = tokens.source.line();
+        if self.dimensions > 3 {
+            let what = "left out coordinates beyond the third, of vertices";
+            self.draft.notes.add(what, || format!("line {line}"));
+        }
+        let weight = if self.kind.weighted { number(tokens.next(what)?)? } else { 1.0 };
+        Ok(position.map(|x| x / weight))
+    }
+
+    fn vertex(&mut self, tokens: &mut Tokens<'_, '_>, what: &dyn Display) -> Checked<()> {
+        let position = self.position(tokens, what)?;
+        let line = tokens.source.line();
+        self.draft.push_vertex_or_lose(position, Some(line))?;
         let place = || format!("line {line}");
         if self.kind.normals {
             let normal = self.draft.finite(tokens.numbers(what)?, place);
             push(&mut self.normals, normal)?;
         }
         let uv = if self.kind.uv { 2 } else { 0 };
-        self.packed |= tokens.left() > COLOR + uv;
         let least = uv + if self.kind.colors { 3 } else { 0 };
-        // Texture coordinates come last, so one more number is the opacity. Some programs write
-        // colours without the prefix.
-        let given = if self.packed { least } else { tokens.left().max(least) };
+        let numbers = self.dimensions
+            + usize::from(self.kind.weighted)
+            + if self.kind.normals { 3 } else { 0 };
+        let left = tokens.left();
+        self.packed |= left > COLOR + uv && left >= least + numbers + least;
+        // Some programs write colours without the prefix. Texture coordinates come after them, so
+        // one number more is the opacity.
+        let left = if self.packed { least } else { left.max(least) };
+        let color = match left - uv {
+            0..3 => 0,
+            3 => 3,
+            _ => COLOR,
+        };
         let mut rest = [0.0; COLOR + 2];
-        for (i, value) in rest.iter_mut().take(given).enumerate() {
+        for (i, value) in rest.iter_mut().take(color + uv).enumerate() {
             let word = tokens.next(what)?;
             *value = number(word)?;
-            if i < given - uv {
+            if i < color {
                 self.colors.see(word);
             }
         }
+        if left > color + uv {
+            self.draft.notes.add("left out numbers after the others, of vertices", place);
+            tokens.taken = tokens.line.len();
+        }
         let rest = self.draft.finite(rest, place);
-        let (color, uv) = rest[..given].split_at(given - uv);
+        let (color, uv) = rest[..color + uv].split_at(color);
         match *color {
-            [] => {}
             [r, g, b] => push(&mut self.colors.values, [r, g, b, 1.0])?,
             [r, g, b, a] => {
                 self.colors.has_opacity = true;
                 push(&mut self.colors.values, [r, g, b, a])?;
             }
-            _ => return Err(format!("a colour has 3 or 4 numbers, not {}", color.len()).into()),
+            _ => {}
         }
         if let [u, v] = *uv {
             push(&mut self.uv, [u, v])?;
@@ -217,7 +281,8 @@ impl Reader {
         Ok(())
     }
 
-    fn finish(self) -> Result<MeshFile> {
+    fn finish(mut self) -> Result<MeshFile> {
+        let lost = self.draft.lost()?;
         let mut file = self.draft.finish(&mut [], &mut [])?;
         let count = file.mesh.vertices().len();
         if self.kind.normals && count > 0 {
@@ -227,7 +292,7 @@ impl Reader {
             file.uv = Some(Attribute { values: self.uv, corners: None });
         }
         file.colors = self.colors.finish(count, &mut file.notes);
-        Ok(file)
+        lost.removed_from(file)
     }
 }
 

@@ -2,15 +2,15 @@
 
 use std::collections::HashMap;
 
-use super::attributes::{Attribute, MeshFile};
+use super::attributes::{Attribute, MeshFile, Scalars};
 use super::labels::Labels;
 use crate::mesh::{Refined, interpolate};
 use catamaran::base::{Error, Result};
 
 impl MeshFile {
-    /// Returns the file of a finer mesh. Colours, texture coordinates and normals of new vertices
-    /// are interpolated between those of the vertices around them, and each piece of a face has the
-    /// material, group and object of the face.
+    /// Returns the file of a finer mesh. Colours, scalars, texture coordinates and normals of new
+    /// vertices are interpolated between those of the vertices around them, and each piece of a
+    /// face has the material, group and object of the face.
     ///
     /// ```
     /// use catamaran_geometry::mesh::{Refined, families, io::MeshFile};
@@ -50,6 +50,7 @@ impl MeshFile {
             materials: labels(&self.materials),
             groups: labels(&self.groups),
             objects: labels(&self.objects),
+            scalars: self.scalars.iter().map(|scalars| finer(scalars, refined)).collect(),
             material_files: self.material_files.clone(),
             collapsed_faces: self.collapsed_faces,
             notes: self.notes.clone(),
@@ -97,6 +98,11 @@ impl MeshFile {
         }
         Attribute::simplified(values, of_corners, &refined.mesh)
     }
+}
+
+fn finer(scalars: &Scalars, refined: &Refined) -> Scalars {
+    let values = of_vertices(scalars.values.as_chunks::<1>().0, refined).into_flattened();
+    Scalars { name: scalars.name.clone(), values }
 }
 
 fn of_vertices<const N: usize>(values: &[[f64; N]], refined: &Refined) -> Vec<[f64; N]> {

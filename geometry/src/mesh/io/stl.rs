@@ -5,7 +5,7 @@ use std::io::{self, BufRead, Read, Write};
 use super::super::TriMesh;
 use super::attributes::MeshFile;
 use super::draft::{Checked, Draft, Fault, Numbers, bits};
-use super::text::{number, quoted, words};
+use super::text::{quoted, words};
 use catamaran::base::Result;
 use catamaran::io::Source;
 
@@ -23,14 +23,15 @@ const HEADER: usize = 80;
 const FACET: usize = 50;
 
 /// Number of bytes of a file that are read to tell text from binary.
-const LOOK: usize = 512;
+const LOOK: usize = 1 << 12;
 
 pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
     let start = source.fill_buf().map(|start| &start[..start.len().min(LOOK)]);
-    // Binary files may begin with the word solid, too.
+    // Binary files may begin with the word solid, too, and text with comments.
     let is_text = start.map(|start| {
-        let text = |&byte: &u8| matches!(byte, b'\t'..=b'\r' | b' '..=b'~' | 0x80..);
-        start.trim_ascii_start().starts_with(b"solid") && start.iter().all(text)
+        // A file of DOS may end in Ctrl-Z.
+        let text = |&byte: &u8| matches!(byte, b'\t'..=b'\r' | 0x1a | b' '..=b'~' | 0x80..);
+        start.iter().all(text)
     });
     let mut soup = Soup::default();
     match is_text {
@@ -71,74 +72,124 @@ fn binary(source: &mut Source<'_>, soup: &mut Soup) -> Checked<()> {
     let mut header = [0; HEADER + 4];
     source.read_exact(&mut header).map_err(|e| truncated("the header", e, source))?;
     let count = u32::from_le_bytes([header[80], header[81], header[82], header[83]]);
-    let mut facet = [0; FACET];
-    for f in 0..count {
+    // Programs that write while they compute leave one of these in place of the number.
+    let is_counted = count != 0 && count != u32::MAX;
+    let counted = if is_counted { count as usize } else { 0 };
+    let mut bytes = [0; FACET];
+    for f in 0..counted {
         let what = || format!("facet {f} of {count}");
-        source.read_exact(&mut facet).map_err(|e| truncated(&what(), e, source))?;
-        // A facet is its normal, its corners, and two bytes of attributes.
-        let x = |i: usize| {
-            let at = 12 + 4 * i;
-            let bytes = [facet[at], facet[at + 1], facet[at + 2], facet[at + 3]];
-            f64::from(f32::from_le_bytes(bytes))
-        };
-        let corners = [[x(0), x(1), x(2)], [x(3), x(4), x(5)], [x(6), x(7), x(8)]];
-        soup.push(corners, what).map_err(|fault| fault.of(what))?;
+        source.read_exact(&mut bytes).map_err(|e| truncated(&what(), e, source))?;
+        facet(&bytes, soup, what)?;
     }
-    match source.fill_buf().map(<[u8]>::is_empty) {
-        Ok(true) => Ok(()),
-        Ok(false) => Err(format!("bytes after the last of {count} facets").into()),
-        Err(e) => Err(Fault::Error(source.io_error(e))),
+    let rest = source.read_all()?;
+    let (facets, tail) = rest.as_chunks::<FACET>();
+    // Zeros fill a block of a disk.
+    let is_facets = !is_counted || (tail.is_empty() && rest.iter().any(|&byte| byte != 0));
+    if is_facets && !facets.is_empty() {
+        for (i, bytes) in facets.iter().enumerate() {
+            facet(bytes, soup, || format!("facet {}", counted + i))?;
+        }
+        let what = format!("took the number of facets from the size, not {count} of the header");
+        soup.draft.notes.add_many(what, counted + facets.len(), String::new);
     }
+    let left_out = if is_facets { tail.len() } else { rest.len() };
+    soup.draft.notes.add_many("left out bytes after the last facet", left_out, String::new);
+    Ok(())
+}
+
+/// Adds a facet of a binary file: its normal, its corners, and two bytes of attributes.
+fn facet(bytes: &[u8; FACET], soup: &mut Soup, what: impl Fn() -> String) -> Checked<()> {
+    let x = |i: usize| {
+        let at = 12 + 4 * i;
+        let bytes = [bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]];
+        f64::from(f32::from_le_bytes(bytes))
+    };
+    let corners = [[x(0), x(1), x(2)], [x(3), x(4), x(5)], [x(6), x(7), x(8)]];
+    if bytes[FACET - 2..] != [0; 2] {
+        let what = "left out colours, or other numbers in their place, of facets";
+        soup.draft.notes.add(what, String::new);
+    }
+    soup.push(corners, &what).map_err(|fault| fault.of(what))
+}
+
+/// What of a text file was read so far.
+#[derive(Default)]
+struct Text {
+    /// Whether a solid has begun and not yet ended, and the same of a facet.
+    in_solid: bool,
+    in_facet: bool,
+    corners: Vec<[f64; 3]>,
+    /// Whether any statement was one of STL, and the line of the first that was not.
+    is_stl: bool,
+    unknown: Option<(String, usize)>,
 }
 
 fn text(source: &mut Source<'_>, soup: &mut Soup) -> Result<()> {
-    let mut corners = Vec::with_capacity(3);
-    // Whether a solid has begun and not yet ended.
-    let mut open = false;
+    let mut text = Text::default();
     loop {
         let number = source.line() + 1;
         let Some(line) = source.next_bytes()? else { break };
-        statement(line, number, &mut corners, &mut open, soup).map_err(|fault| fault.at(source))?;
+        text.statement(line, number, soup).map_err(|fault| fault.at(source))?;
     }
-    if open {
-        return Err(source.fail("truncated: no endsolid"));
+    let Text { in_solid, in_facet, is_stl, unknown, .. } = text;
+    match unknown {
+        _ if in_facet => Err(source.fail("truncated: the last facet has no endfacet")),
+        Some((word, line)) if !is_stl => {
+            Err(source.fail_at(line, format!("{word} is not a statement of STL")))
+        }
+        None if !is_stl => Err(source.fail("not STL: it has no solid")),
+        _ => {
+            let last = format!("line {}", source.line());
+            let what = "the last solid has no endsolid; lines after it may be missing";
+            soup.draft.notes.add_many(what, usize::from(in_solid), || last);
+            Ok(())
+        }
     }
-    Ok(())
 }
 
-fn statement(
-    line: &[u8],
-    line_number: usize,
-    corners: &mut Vec<[f64; 3]>,
-    open: &mut bool,
-    soup: &mut Soup,
-) -> Checked<()> {
-    let mut words = words(line);
-    let Some(keyword) = words.next() else { return Ok(()) };
-    match keyword.to_ascii_lowercase().as_slice() {
-        b"solid" if !*open => *open = true,
-        b"endsolid" if *open && corners.is_empty() => *open = false,
-        b"facet" | b"outer" | b"endloop" if *open => {}
-        b"vertex" if *open => {
-            if corners.len() == 3 {
-                return Err("a facet has more than three vertices".into());
+impl Text {
+    fn statement(&mut self, line: &[u8], line_number: usize, soup: &mut Soup) -> Checked<()> {
+        let mut words = words(line);
+        let Some(keyword) = words.next() else { return Ok(()) };
+        let place = || format!("line {line_number}");
+        match keyword.to_ascii_lowercase().as_slice() {
+            b"solid" if !self.in_facet => self.in_solid = true,
+            b"endsolid" if !self.in_facet => self.in_solid = false,
+            b"facet" if !self.in_facet => self.in_facet = true,
+            b"outer" | b"endloop" if self.in_facet => {}
+            b"vertex" if self.in_facet => {
+                if self.corners.len() == 3 {
+                    return Err("a facet has more than three vertices".into());
+                }
+                self.corners.push(super::text::numbers(&mut words)?);
+                if words.next().is_some() {
+                    let what = "left out words after the three numbers of vertices";
+                    soup.draft.notes.add(what, place);
+                }
             }
-            corners.push(super::text::numbers(&mut words)?);
-            if let Some(word) = words.next() {
-                number(word)?;
-                return Err("a vertex has more than three numbers".into());
+            b"endfacet" if self.in_facet => {
+                let &[a, b, c] = self.corners.as_slice() else {
+                    let count = self.corners.len();
+                    return Err(format!("a facet has {count} vertices, not 3").into());
+                };
+                soup.push([a, b, c], place)?;
+                self.corners.clear();
+                self.in_facet = false;
+            }
+            b"solid" | b"endsolid" | b"facet" | b"outer" | b"endloop" | b"vertex" | b"endfacet" => {
+                return Err(format!("{} is out of place", quoted(keyword)).into());
+            }
+            _ => {
+                self.unknown.get_or_insert_with(|| (quoted(keyword), line_number));
+                soup.draft.notes.add("skipped lines that are not of STL", || {
+                    format!("line {line_number} ({})", quoted(keyword))
+                });
+                return Ok(());
             }
         }
-        b"endfacet" if *open => {
-            let &[a, b, c] = corners.as_slice() else {
-                return Err(format!("a facet has {} vertices, not 3", corners.len()).into());
-            };
-            soup.push([a, b, c], || format!("line {line_number}"))?;
-            corners.clear();
-        }
-        _ => return Err(format!("{} is out of place", quoted(keyword)).into()),
+        self.is_stl = true;
+        Ok(())
     }
-    Ok(())
 }
 
 pub(super) fn write(sink: &mut dyn Write, mesh: &TriMesh, encoding: StlEncoding) -> io::Result<()> {

@@ -1,6 +1,43 @@
-//! Words and numbers in a line of bytes.
+//! Text of other encodings and line ends, and the words and numbers in a line of bytes.
 
+use super::detect::LOOK;
 use super::draft::Checked;
+
+/// Returns the UTF-8 of text in UTF-16 that begins with a byte order mark.
+pub(super) fn of_utf16(bytes: &[u8]) -> Option<Vec<u8>> {
+    let unit: fn([u8; 2]) -> u16 = match bytes {
+        [0xff, 0xfe, ..] => u16::from_le_bytes,
+        [0xfe, 0xff, ..] => u16::from_be_bytes,
+        _ => return None,
+    };
+    let (units, _) = bytes.as_chunks::<2>();
+    let text = char::decode_utf16(units.iter().map(|&bytes| unit(bytes)));
+    // The mark stays, which readers of UTF-8 skip.
+    let text: String = text.map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect();
+    Some(text.into_bytes())
+}
+
+/// Returns whether the lines of a file that begins so end in a carriage return alone.
+pub(super) fn ends_in_returns(head: &[u8]) -> bool {
+    let head = &head[..head.len().min(LOOK)];
+    let first_lines = head.split(|&byte| byte == b'\n').next().unwrap_or_default();
+    let returns = first_lines.iter().filter(|&&byte| byte == b'\r').count();
+    // A file with a few stray ones has line feeds, too; binary files have zeros.
+    returns > 2 && (first_lines.starts_with(b"ply") || !head.contains(&0))
+}
+
+/// Replaces the carriage returns of text by line feeds: those of the header in binary PLY.
+pub(super) fn returns_to_feeds(bytes: &mut [u8]) {
+    let find = |what: &[u8]| bytes.windows(what.len()).position(|window| window == what);
+    let end = match (find(b"\rformat binary"), find(b"\rend_header")) {
+        (Some(_), Some(last)) if bytes.starts_with(b"ply") => {
+            let length = bytes[last + 1..].iter().position(|&byte| byte == b'\r');
+            last + 1 + length.map_or(0, |length| length + 1)
+        }
+        _ => bytes.len(),
+    };
+    bytes[..end].iter_mut().filter(|byte| **byte == b'\r').for_each(|byte| *byte = b'\n');
+}
 
 /// Returns the words of a line.
 pub(super) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {

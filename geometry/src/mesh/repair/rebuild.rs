@@ -126,6 +126,9 @@ impl Rebuild {
         if let Some(colors) = &mut file.colors {
             *colors = self.vertices.iter().map(|&v| colors[v as usize]).collect();
         }
+        for scalars in &mut file.scalars {
+            *scalars = scalars.at(&self.vertices);
+        }
         let old_corners = 3 * file.mesh.faces().len();
         for labels in [&mut file.materials, &mut file.groups, &mut file.objects] {
             let Some(Labels { of_faces, .. }) = labels else { continue };

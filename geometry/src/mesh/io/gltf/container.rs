@@ -5,13 +5,12 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Component, Path};
 
-use base64::Engine;
-use base64::alphabet::STANDARD;
-use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use serde::Deserialize;
 
 use super::super::draft::{Checked, Fault};
-use super::document::{Buffer, Document};
-use super::extensions::{check_required, is_unsupported, unsupported};
+use super::super::stored::from_base64;
+use super::document::{Asset, Buffer, Document};
+use super::extensions::{self, check_required, unsupported};
 use catamaran::io::Source;
 
 /// The first bytes of a binary file, and the types of its chunks.
@@ -37,12 +36,17 @@ impl Content {
         };
         let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
         let document: Document = serde_json::from_slice(json).map_err(|e| {
+            // Documents of version 1 have the same names with other contents.
+            let found: Option<Versioned> = serde_json::from_slice(json).ok();
+            let found = found.filter(|found| !found.asset.version.is_empty());
+            if let Some(other) = found.and_then(|found| other_version(&found.asset)) {
+                return other;
+            }
             let line = is_text.then_some(e.line());
-            source.fail_at(line, format!("not the JSON of a glTF file: {e}"))
+            source.fail_at(line, format!("not the JSON of a glTF file: {e}")).into()
         })?;
-        if !document.asset.version.starts_with("2.") {
-            let version = document.asset.version;
-            return Err(format!("version {version:?} of glTF, must be 2.0").into());
+        if let Some(other) = other_version(&document.asset) {
+            return Err(other);
         }
         let least = document.asset.min_version.as_deref().unwrap_or("2.0");
         if least != "2.0" {
@@ -54,11 +58,24 @@ impl Content {
         for (i, buffer) in document.buffers.iter().enumerate() {
             total = total.saturating_add(buffer.byte_length);
             source.check_memory::<u8>("the buffers", total)?;
-            let content = load(buffer, binary.filter(|_| i == 0), source.path());
+            let content = load(buffer, binary.filter(|_| i == 0), source.path(), &document);
             buffers.push(content.map_err(|fault| fault.of(|| format!("buffer {i}")))?);
         }
         Ok(Self { document, buffers })
     }
+}
+
+/// The part of a document that tells its version.
+#[derive(Deserialize)]
+struct Versioned {
+    asset: Asset,
+}
+
+/// Returns the error about a version that is not supported.
+fn other_version(asset: &Asset) -> Option<Fault> {
+    let version = &asset.version;
+    let what = format!("version {version:?} of glTF is not supported, must be 2.0: export it anew");
+    (!version.starts_with("2.")).then_some(what.into())
 }
 
 /// Returns the JSON and the buffer of a binary file.
@@ -71,7 +88,9 @@ fn chunks(bytes: &[u8]) -> Checked<(&[u8], Option<&[u8]>)> {
     let (head, _) = bytes.split_at_checked(12).ok_or_else(truncated)?;
     let (version, length) = (word(&head[4..])?, word(&head[8..])?);
     if version != 2 {
-        return Err(format!("version {version} of binary glTF, must be 2").into());
+        let what =
+            format!("version {version} of binary glTF is not supported, must be 2: export it anew");
+        return Err(what.into());
     }
     let mut rest = bytes.get(12..length).ok_or_else(truncated)?;
     let mut json = None;
@@ -91,10 +110,15 @@ fn chunks(bytes: &[u8]) -> Checked<(&[u8], Option<&[u8]>)> {
 
 /// Returns the bytes of a buffer: `binary` where the buffer has no URI, otherwise those of the URI
 /// or of the file beside `path` that it names.
-fn load(buffer: &Buffer, binary: Option<&[u8]>, path: &Path) -> Checked<Vec<u8>> {
+fn load(
+    buffer: &Buffer,
+    binary: Option<&[u8]>,
+    path: &Path,
+    document: &Document,
+) -> Checked<Vec<u8>> {
     let length = buffer.byte_length;
     let mut bytes = match buffer.uri.as_deref() {
-        None => match (binary, buffer.extensions.keys().find(|name| is_unsupported(name))) {
+        None => match (binary, extensions::source(&buffer.extensions, document)) {
             (Some(binary), _) => binary.to_vec(),
             (None, Some(name)) => return Err(unsupported(name)),
             (None, None) => return Err("has no URI, and is not in the file".into()),
@@ -114,10 +138,7 @@ fn load(buffer: &Buffer, binary: Option<&[u8]>, path: &Path) -> Checked<Vec<u8>>
 /// Returns the bytes of a data URI; `data` is what follows `data:`.
 fn embedded(data: &str) -> Checked<Vec<u8>> {
     let (_, text) = data.split_once(";base64,").ok_or("a data URI that is not in base64")?;
-    let padding = DecodePaddingMode::Indifferent;
-    let config = GeneralPurposeConfig::new().with_decode_padding_mode(padding);
-    let decoded = GeneralPurpose::new(&STANDARD, config).decode(text.trim_end());
-    decoded.map_err(|e| format!("broken base64: {e}").into())
+    from_base64(text.as_bytes())
 }
 
 /// Returns up to `length` bytes of the file that a URI names.

@@ -43,8 +43,8 @@ pub(super) fn unsupported(name: &str) -> Fault {
     }
 }
 
-/// Returns the extension that has the numbers of a primitive with these extensions, where the file
-/// has none outside of extensions.
+/// Returns the extension that has the numbers of a primitive or a buffer with these extensions,
+/// where the file has none outside of extensions.
 pub(super) fn source<'a>(own: &'a Extensions, document: &'a Document) -> Option<&'a str> {
     let mut used = document.extensions_used.iter().map(String::as_str);
     let found = own.keys().map(String::as_str).find(|name| is_unsupported(name));
@@ -83,7 +83,7 @@ pub(super) fn note_left_out(document: &Document, notes: &mut Notes) {
 }
 
 /// Returns whether the reader lacks an extension that may hold or change the triangles.
-pub(super) fn is_unsupported(name: &str) -> bool {
+fn is_unsupported(name: &str) -> bool {
     COMPRESSION.contains(&name) || changes_triangles(name)
 }
 

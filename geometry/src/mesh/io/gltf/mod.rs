@@ -20,7 +20,6 @@ use self::assembly::{Assembly, Vertex};
 use self::container::Content;
 use self::document::{Primitive, code};
 use self::scene::Placed;
-use self::transform::Transform;
 use super::attributes::MeshFile;
 use super::draft::Checked;
 use super::polygon::fan;
@@ -30,6 +29,7 @@ use catamaran::io::Source;
 pub use self::encoding::GltfEncoding;
 pub use self::material::Material;
 pub use self::picture::Picture;
+pub(super) use self::transform::Transform;
 #[doc(hidden)]
 pub use self::write::write_glb;
 pub(super) use self::write::{write, write_with_material};

@@ -6,7 +6,7 @@ use super::document::Node;
 
 /// An affine transformation: the images of the three axes and of the origin.
 #[derive(Clone, Copy)]
-pub(super) struct Transform {
+pub(in super::super) struct Transform {
     axes: [Vector; 3],
     origin: Vector,
 }
@@ -15,9 +15,14 @@ impl Transform {
     pub const IDENTITY: Self =
         Self { axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], origin: [0.0; 3] };
 
+    /// Creates the transformation with these images of the three axes and of the origin.
+    pub fn new(axes: [Vector; 3], origin: Vector) -> Self {
+        Self { axes, origin }
+    }
+
     /// Returns the transformation from a node to its parent; an error for a matrix that is not
     /// affine.
-    pub fn of(node: &Node) -> Checked<Self> {
+    pub(super) fn of(node: &Node) -> Checked<Self> {
         if let Some(m) = node.matrix {
             if [m[3], m[7], m[11], m[15]] != [0.0, 0.0, 0.0, 1.0] {
                 return Err(format!("matrix {m:?} is not affine").into());

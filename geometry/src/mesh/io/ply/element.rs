@@ -3,43 +3,29 @@
 use super::super::draft::Checked;
 use super::super::text::quoted;
 
-/// The type of a number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Type {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    F32,
-    F64,
-}
+pub(super) use super::super::stored::Kind as Type;
 
 impl Type {
-    /// Parses the name of a type.
+    /// Parses the name of a type, also of those that programs take over from NumPy.
     pub fn parse(word: &[u8]) -> Checked<Self> {
-        Ok(match word {
-            b"char" | b"int8" => Self::I8,
-            b"uchar" | b"uint8" => Self::U8,
-            b"short" | b"int16" => Self::I16,
-            b"ushort" | b"uint16" => Self::U16,
-            b"int" | b"int32" => Self::I32,
-            b"uint" | b"uint32" => Self::U32,
-            b"float" | b"float32" => Self::F32,
-            b"double" | b"float64" => Self::F64,
+        let name = match word {
+            [b'<' | b'>' | b'=' | b'|', name @ ..] => name,
+            name => name,
+        };
+        Ok(match name {
+            b"char" | b"int8" | b"i1" => Self::I8,
+            b"uchar" | b"uint8" | b"u1" | b"bool" | b"b1" => Self::U8,
+            b"short" | b"int16" | b"i2" => Self::I16,
+            b"ushort" | b"uint16" | b"u2" => Self::U16,
+            b"int" | b"int32" | b"i4" => Self::I32,
+            b"uint" | b"uint32" | b"u4" => Self::U32,
+            b"int64" | b"longlong" | b"i8" => Self::I64,
+            b"uint64" | b"ulonglong" | b"u8" => Self::U64,
+            b"float16" | b"half" | b"f2" => Self::F16,
+            b"float" | b"float32" | b"single" | b"f4" => Self::F32,
+            b"double" | b"float64" | b"f8" => Self::F64,
             _ => return Err(format!("unknown type {}", quoted(word)).into()),
         })
-    }
-
-    /// Returns the size of a number of this type in a binary file, in bytes.
-    pub fn size(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::F64 => 8,
-        }
     }
 
     /// Returns the integer that represents 1 in a colour; 1 for floating-point types.
@@ -51,7 +37,9 @@ impl Type {
             Self::U16 => f64::from(u16::MAX),
             Self::I32 => f64::from(i32::MAX),
             Self::U32 => f64::from(u32::MAX),
-            Self::F32 | Self::F64 => 1.0,
+            Self::I64 => i64::MAX as f64,
+            Self::U64 => u64::MAX as f64,
+            Self::F16 | Self::F32 | Self::F64 => 1.0,
         }
     }
 }

@@ -1,6 +1,7 @@
 use std::io::BufRead;
 
 use super::super::draft::{Checked, Fault};
+use super::super::notes::Notes;
 use super::super::text::{count, quoted, words};
 use super::element::{Element, Name, Property, Type};
 use super::encoding::PlyEncoding;
@@ -14,20 +15,25 @@ pub(super) struct Header {
 }
 
 impl Header {
-    /// Reads the header.
-    pub fn read(source: &mut Source<'_>) -> Result<Self> {
-        if source.next_bytes()?.unwrap_or_default() != b"ply" {
+    /// Reads the header, and notes the lines that it skips.
+    pub fn read(source: &mut Source<'_>, notes: &mut Notes) -> Result<Self> {
+        if source.next_bytes()?.unwrap_or_default().trim_ascii() != b"ply" {
             return Err(source.fail("not a PLY file: its first line must be 'ply'"));
         }
         let mut encoding = None;
         let mut elements = Vec::new();
         loop {
+            let number = source.line() + 1;
             let Some(line) = source.next_bytes()? else {
                 return Err(source.fail("truncated: the header has no end_header"));
             };
             match statement(line, &mut encoding, &mut elements) {
-                Ok(false) => {}
-                Ok(true) => break,
+                Ok(Statement::Known) => {}
+                Ok(Statement::Last) => break,
+                Ok(Statement::Unknown(word)) => {
+                    let place = || format!("line {number} ({word})");
+                    notes.add("skipped lines of the header that are not of PLY", place);
+                }
                 Err(fault) => return Err(fault.at(source)),
             }
         }
@@ -37,30 +43,45 @@ impl Header {
         Ok(Self { encoding, elements })
     }
 
-    /// Returns an error unless the file ends at the current position.
-    pub fn nothing_more(&self, source: &mut Source<'_>) -> Result<()> {
+    /// Reads the file to its end, and notes what follows the last element.
+    pub fn skip_rest(&self, source: &mut Source<'_>, notes: &mut Notes) -> Result<()> {
         if self.encoding == PlyEncoding::Ascii {
-            while let Some(line) = source.next_bytes()? {
+            loop {
+                let number = source.line() + 1;
+                let Some(line) = source.next_bytes()? else { return Ok(()) };
                 if words(line).next().is_some() {
-                    return Err(source.fail("text after the last element"));
+                    let place = || format!("line {number}");
+                    notes.add("left out lines after the last element", place);
                 }
             }
-            return Ok(());
         }
-        match source.fill_buf().map(<[u8]>::is_empty) {
-            Ok(true) => Ok(()),
-            Ok(false) => Err(source.fail_at(None, "bytes after the last element")),
-            Err(e) => Err(source.io_error(e)),
+        let mut count = 0;
+        loop {
+            let length = source.fill_buf().map(<[u8]>::len).map_err(|e| source.io_error(e))?;
+            if length == 0 {
+                notes.add_many("left out bytes after the last element", count, String::new);
+                return Ok(());
+            }
+            source.consume(length);
+            count += length;
         }
     }
 }
 
-/// Parses one line of a header; returns whether it was the last.
+/// What a line of a header is.
+enum Statement {
+    Known,
+    Last,
+    /// Not a statement of PLY: its first word.
+    Unknown(String),
+}
+
+/// Parses one line of a header.
 fn statement(
     line: &[u8],
     encoding: &mut Option<PlyEncoding>,
     elements: &mut Vec<Element>,
-) -> Checked<bool> {
+) -> Checked<Statement> {
     let words: Vec<&[u8]> = words(line).collect();
     match words[..] {
         [] | [b"comment" | b"obj_info", ..] => {}
@@ -94,12 +115,14 @@ fn statement(
             let name = Name::parse(name);
             property(elements, Property { name, item: Type::parse(item)?, counted_by: None })?;
         }
-        [b"end_header"] => return Ok(true),
-        [word, ..] => {
+        [b"end_header"] => return Ok(Statement::Last),
+        [word @ (b"format" | b"element" | b"property" | b"end_header"), ..] => {
             return Err(format!("invalid statement {} in the header", quoted(word)).into());
         }
+        // Comments of some programs lack the word comment.
+        [word, ..] => return Ok(Statement::Unknown(quoted(word))),
     }
-    Ok(false)
+    Ok(Statement::Known)
 }
 
 fn property(elements: &mut [Element], property: Property) -> Checked<()> {

@@ -19,8 +19,8 @@ pub use self::encoding::PlyEncoding;
 pub(super) use self::write::write;
 
 pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
-    let header = Header::read(source)?;
     let mut reader = Reader::default();
+    let header = Header::read(source, &mut reader.draft.notes)?;
     for element in &header.elements {
         let mut rows = Rows::new(source, header.encoding, element);
         let read = match element.name.as_str() {
@@ -29,9 +29,12 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
             "tristrips" => reader.strips(element, &mut rows),
             _ => rows.skip(),
         };
+        let (longer, first) = rows.longer;
         read.map_err(|fault| fault.at(source))?;
+        let what = "left out numbers after those that the header declares, in lines";
+        reader.draft.notes.add_many(what, longer, || format!("line {first}"));
     }
-    header.nothing_more(source)?;
+    header.skip_rest(source, &mut reader.draft.notes)?;
     reader.finish().map_err(|fault| fault.at(source))
 }
 
@@ -81,7 +84,7 @@ impl Reader {
     }
 
     fn vertex(&mut self, places: &Places, scalars: &[f64], index: usize) -> Checked<()> {
-        self.draft.push_vertex(places.position.map(|i| scalars[i]))?;
+        self.draft.push_vertex_or_lose(places.position.map(|i| scalars[i]), None)?;
         let place = || format!("vertex {index}");
         if let Some(at) = places.normal {
             push(&mut self.normals, self.draft.finite(at.map(|i| scalars[i]), place))?;
@@ -201,6 +204,7 @@ impl Reader {
         if !self.uv_corners.is_empty() {
             self.without_uv(self.draft.faces.len())?;
         }
+        let lost = self.draft.lost()?;
         let mut file = self.draft.finish(&mut [&mut self.uv_corners], &mut [])?;
         if !self.normals.is_empty() {
             file.normals = Some(Attribute { values: self.normals, corners: None });
@@ -213,7 +217,7 @@ impl Reader {
         if !self.colors.is_empty() {
             file.colors = Some(self.colors);
         }
-        Ok(file)
+        Ok(lost.removed_from(file)?)
     }
 }
 

@@ -25,6 +25,8 @@ pub(super) struct Rows<'s, 'a> {
     done: usize,
     row: Row,
     bytes: Vec<u8>,
+    /// The number of lines of text with more numbers than the header declares, and the first.
+    pub longer: (usize, usize),
 }
 
 impl<'s, 'a> Rows<'s, 'a> {
@@ -42,7 +44,8 @@ impl<'s, 'a> Rows<'s, 'a> {
         }
         let row = Row { index: 0, scalars: vec![0.0; scalars], lists: vec![Vec::new(); lists] };
         let fixed = (lists == 0).then_some(bytes);
-        Self { source, encoding, element, fixed, done: 0, row, bytes: Vec::new() }
+        let (bytes, longer) = (Vec::new(), (0, 0));
+        Self { source, encoding, element, fixed, done: 0, row, bytes, longer }
     }
 
     /// Reads the next row; `None` after the last one.
@@ -71,8 +74,9 @@ impl<'s, 'a> Rows<'s, 'a> {
     }
 
     fn text_row(&mut self) -> Checked<()> {
-        let Self { source, element, done, row, .. } = self;
+        let Self { source, element, done, row, longer, .. } = self;
         loop {
+            let number = source.line() + 1;
             let Some(line) = source.next_bytes()? else {
                 let (name, count) = (&element.name, element.count);
                 return Err(format!("truncated: {done} of {count} rows of element {name}").into());
@@ -95,16 +99,17 @@ impl<'s, 'a> Rows<'s, 'a> {
                     }
                 }
             }
-            return match words.next() {
-                None => Ok(()),
-                Some(word) => Err(format!("{} after the last number", text::quoted(word)).into()),
-            };
+            if words.next().is_some() {
+                *longer = (longer.0 + 1, if longer.0 == 0 { number } else { longer.1 });
+            }
+            return Ok(());
         }
     }
 
     fn binary_row(&mut self) -> Checked<()> {
         let Self { source, element, row, bytes, .. } = self;
-        let decode = if self.encoding == PlyEncoding::LittleEndian { little } else { big };
+        let is_big = self.encoding == PlyEncoding::BigEndian;
+        let decode = |kind: Type, own: &[u8]| kind.number(own, is_big);
         if let Some(size) = self.fixed {
             fill(source, bytes, size)?;
             let mut rest = &bytes[..];
@@ -146,7 +151,7 @@ impl<'s, 'a> Rows<'s, 'a> {
 
 /// Returns the length of a list, which may be stored in any type.
 fn list_length(count: f64) -> Checked<usize> {
-    // Integer types have at most 32 bits.
+    // A file has no longer list.
     if count >= 0.0 && count <= f64::from(u32::MAX) && count.fract() == 0.0 {
         Ok(count as usize)
     } else {
@@ -161,33 +166,4 @@ fn fill(source: &mut Source<'_>, bytes: &mut Vec<u8>, size: usize) -> Checked<()
         std::io::ErrorKind::UnexpectedEof => Fault::from("truncated: the file ends too early"),
         _ => Fault::Error(source.io_error(e)),
     })
-}
-
-/// Returns the little-endian number of that type in these bytes.
-fn little(kind: Type, bytes: &[u8]) -> f64 {
-    let mut wide = [0; 8];
-    let size = kind.size().min(bytes.len());
-    wide[..size].copy_from_slice(&bytes[..size]);
-    number(kind, u64::from_le_bytes(wide))
-}
-
-/// Returns the big-endian number of that type in these bytes.
-fn big(kind: Type, bytes: &[u8]) -> f64 {
-    let mut wide = [0; 8];
-    let size = kind.size().min(bytes.len());
-    wide[8 - size..].copy_from_slice(&bytes[..size]);
-    number(kind, u64::from_be_bytes(wide))
-}
-
-fn number(kind: Type, bits: u64) -> f64 {
-    match kind {
-        Type::I8 => f64::from(bits as i8),
-        Type::U8 => f64::from(bits as u8),
-        Type::I16 => f64::from(bits as i16),
-        Type::U16 => f64::from(bits as u16),
-        Type::I32 => f64::from(bits as i32),
-        Type::U32 => f64::from(bits as u32),
-        Type::F32 => f64::from(f32::from_bits(bits as u32)),
-        Type::F64 => f64::from_bits(bits),
-    }
 }

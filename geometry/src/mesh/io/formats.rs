@@ -1,0 +1,276 @@
+//! The table of formats, from which detection, help, the guide and errors are made.
+
+use super::attributes::MeshFile;
+use super::detect::{self, Head};
+use super::format::MeshFormat;
+use super::gltf::GltfEncoding;
+use super::ply::PlyEncoding;
+use super::stl::StlEncoding;
+use super::vtk::{self, VtkEncoding};
+use super::{freesurfer, gifti, gltf, gmsh, obj, off, ply, stl, threemf};
+use catamaran::base::Result;
+use catamaran::io::Source;
+
+/// What a format can store besides a mesh without lone vertices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Stored {
+    LoneVertices,
+    Uv,
+    /// Normals of vertices.
+    Normals,
+    /// Normals of vertices and colours in one file.
+    NormalsBesideColors,
+    CornerNormals,
+    Colors,
+    Materials,
+    MaterialFiles,
+    Groups,
+    Scalars,
+}
+
+impl Stored {
+    /// Returns the words of the guide; `None` for what the words of another one imply.
+    fn words(self) -> Option<&'static str> {
+        Some(match self {
+            Self::LoneVertices => "vertices without a face",
+            Self::Uv => "texture coordinates",
+            Self::Normals => "normals of vertices",
+            Self::NormalsBesideColors => return None,
+            Self::CornerNormals => "normals of corners",
+            Self::Colors => "colours",
+            Self::Materials => "names of materials",
+            Self::MaterialFiles => "files of materials",
+            Self::Groups => "groups and objects",
+            Self::Scalars => "functions on vertices",
+        })
+    }
+}
+
+/// A format of mesh files.
+pub(super) struct Description {
+    /// Its name in messages.
+    pub title: &'static str,
+    /// The endings of its files (in lower case), with the format or encoding that each implies for
+    /// writing.
+    pub endings: &'static [(&'static str, MeshFormat)],
+    /// Returns whether a file that begins so has this format.
+    pub fits: fn(&Head<'_>) -> bool,
+    pub read: fn(&mut Source<'_>) -> Result<MeshFile>,
+    /// What a file keeps of the coordinates; `None` for a format that is only read.
+    pub written: Option<&'static str>,
+    /// The encoding that has every digit as text.
+    pub text: Option<MeshFormat>,
+    pub stores: &'static [Stored],
+}
+
+const EVERY_DIGIT: &str = "every digit";
+
+/// The formats. A file has the last one that it fits: those whose content may be taken for another
+/// format come first.
+pub(super) static FORMATS: [Description; 11] = [
+    Description {
+        title: "OBJ",
+        endings: &[("obj", MeshFormat::Obj)],
+        fits: detect::is_obj,
+        read: obj::read,
+        written: Some(EVERY_DIGIT),
+        text: Some(MeshFormat::Obj),
+        stores: &[
+            Stored::LoneVertices,
+            Stored::Uv,
+            Stored::Normals,
+            Stored::NormalsBesideColors,
+            Stored::CornerNormals,
+            Stored::Colors,
+            Stored::Materials,
+            Stored::MaterialFiles,
+            Stored::Groups,
+        ],
+    },
+    Description {
+        title: "PLY",
+        endings: &[("ply", MeshFormat::Ply(PlyEncoding::LittleEndian))],
+        fits: detect::is_ply,
+        read: ply::read,
+        written: Some(EVERY_DIGIT),
+        text: Some(MeshFormat::Ply(PlyEncoding::Ascii)),
+        stores: &[
+            Stored::LoneVertices,
+            Stored::Uv,
+            Stored::Normals,
+            Stored::NormalsBesideColors,
+            Stored::Colors,
+        ],
+    },
+    Description {
+        title: "OFF",
+        endings: &[("off", MeshFormat::Off)],
+        fits: detect::is_off,
+        read: off::read,
+        written: Some(EVERY_DIGIT),
+        text: Some(MeshFormat::Off),
+        stores: &[Stored::LoneVertices, Stored::Normals, Stored::Colors],
+    },
+    Description {
+        title: "STL",
+        endings: &[("stl", MeshFormat::Stl(StlEncoding::Binary))],
+        fits: detect::is_stl,
+        read: stl::read,
+        written: Some("single precision; every digit with `mesh --text`"),
+        text: Some(MeshFormat::Stl(StlEncoding::Ascii)),
+        stores: &[],
+    },
+    Description {
+        title: "glTF",
+        endings: &[
+            ("glb", MeshFormat::Gltf(GltfEncoding::Binary)),
+            ("gltf", MeshFormat::Gltf(GltfEncoding::Text)),
+        ],
+        fits: detect::is_gltf,
+        read: gltf::read,
+        written: Some("single precision, from the middle of the mesh"),
+        text: None,
+        stores: &[
+            Stored::LoneVertices,
+            Stored::Uv,
+            Stored::Normals,
+            Stored::NormalsBesideColors,
+            Stored::CornerNormals,
+            Stored::Colors,
+            Stored::Materials,
+        ],
+    },
+    Description {
+        title: "VTK",
+        endings: &[("vtk", MeshFormat::Vtk(VtkEncoding::Binary))],
+        fits: detect::is_vtk,
+        read: vtk::read_legacy,
+        written: Some(EVERY_DIGIT),
+        text: Some(MeshFormat::Vtk(VtkEncoding::Ascii)),
+        stores: &[
+            Stored::LoneVertices,
+            Stored::Uv,
+            Stored::Normals,
+            Stored::NormalsBesideColors,
+            Stored::Colors,
+            Stored::Scalars,
+        ],
+    },
+    Description {
+        title: "VTK XML",
+        endings: &[("vtp", MeshFormat::VtkXml), ("vtu", MeshFormat::VtkXml)],
+        fits: detect::is_vtk_xml,
+        read: vtk::read_xml,
+        written: None,
+        text: None,
+        stores: &[],
+    },
+    Description {
+        title: "GIFTI",
+        endings: &[("gii", MeshFormat::Gifti)],
+        fits: detect::is_gifti,
+        read: gifti::read,
+        written: Some("single precision"),
+        text: None,
+        stores: &[
+            Stored::LoneVertices,
+            Stored::Normals,
+            Stored::NormalsBesideColors,
+            Stored::Scalars,
+        ],
+    },
+    Description {
+        title: "FreeSurfer",
+        endings: &[
+            ("white", MeshFormat::FreeSurfer),
+            ("pial", MeshFormat::FreeSurfer),
+            ("inflated", MeshFormat::FreeSurfer),
+            ("sphere", MeshFormat::FreeSurfer),
+            ("orig", MeshFormat::FreeSurfer),
+        ],
+        fits: detect::is_freesurfer,
+        read: freesurfer::read,
+        written: None,
+        text: None,
+        stores: &[],
+    },
+    Description {
+        title: "Gmsh",
+        endings: &[("msh", MeshFormat::Gmsh)],
+        fits: detect::is_gmsh,
+        read: gmsh::read,
+        written: None,
+        text: None,
+        stores: &[],
+    },
+    Description {
+        title: "3MF",
+        endings: &[("3mf", MeshFormat::ThreeMf)],
+        fits: detect::is_threemf,
+        read: threemf::read,
+        written: Some(EVERY_DIGIT),
+        text: Some(MeshFormat::ThreeMf),
+        stores: &[Stored::LoneVertices],
+    },
+];
+
+/// Returns the names of all formats, such as "OBJ, PLY or glTF".
+pub(super) fn titles() -> String {
+    in_words(FORMATS.iter().map(|format| format.title.to_owned()))
+}
+
+/// Returns the endings of the files that are read or, with `written`, those that are written, such
+/// as ".obj, .ply or .glb".
+pub(super) fn endings(written: bool) -> String {
+    let formats = FORMATS.iter().filter(|format| format.written.is_some() || !written);
+    in_words(formats.flat_map(|format| format.endings).map(|(ending, _)| format!(".{ending}")))
+}
+
+/// Returns the rows of the table of the guide, in Markdown.
+pub(super) fn rows() -> String {
+    let row = |format: &Description| {
+        let endings = format.endings.iter().map(|(ending, _)| format!("`.{ending}`"));
+        let endings = endings.collect::<Vec<_>>().join(", ");
+        let stored = format.stores.iter().filter_map(|stored| stored.words());
+        let stored = stored.collect::<Vec<_>>().join(", ");
+        let stored = match format.written {
+            Some(_) if stored.is_empty() => "nothing",
+            _ => &stored,
+        };
+        let has = |what| format.stores.contains(&what);
+        let alone =
+            has(Stored::Normals) && has(Stored::Colors) && !has(Stored::NormalsBesideColors);
+        let instead = if alone { ", the normals only without colours" } else { "" };
+        let written = format.written.unwrap_or("read only");
+        format!("| {} | {endings} | {written} | {stored}{instead} |\n", format.title)
+    };
+    FORMATS.iter().map(row).collect()
+}
+
+/// Returns a list with "or" before the last item.
+fn in_words(items: impl Iterator<Item = String>) -> String {
+    let items: Vec<String> = items.collect();
+    match items.split_last() {
+        Some((last, [])) => last.clone(),
+        Some((last, others)) => format!("{} or {last}", others.join(", ")),
+        None => String::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_ending_belongs_to_one_format_which_finds_its_row() {
+        let all: Vec<_> = FORMATS.iter().flat_map(|format| format.endings).collect();
+        for (i, (ending, format)) in all.iter().enumerate() {
+            assert!(all[..i].iter().all(|(other, _)| other != ending), "{ending}");
+            assert!(format.description().endings.contains(&(*ending, *format)), "{ending}");
+        }
+        let known = "OBJ, PLY, OFF, STL, glTF, VTK, VTK XML, GIFTI, FreeSurfer, Gmsh or 3MF";
+        assert_eq!(titles(), known);
+        let written = ".obj, .ply, .off, .stl, .glb, .gltf, .vtk, .gii or .3mf";
+        assert_eq!(endings(true), written);
+    }
+}

@@ -1,0 +1,198 @@
+//! FreeSurfer: surfaces of brains (`.white`, `.pial` and others), values of their vertices
+//! (`.curv`, `.thickness` and others) and labels of their vertices (`.annot`); all big endian.
+//!
+//! Formats: "Surface files", "Curv files" and "Label and annotation files" (FreeSurfer wiki,
+//! FileFormats).
+
+use std::collections::HashMap;
+
+use super::attributes::{MeshFile, Scalars};
+use super::cursor::Cursor;
+use super::dataset::{Dataset, cell};
+use super::draft::{Checked, roomy};
+use super::stored::{Kind, whole};
+use catamaran::base::{Result, push};
+use catamaran::io::Source;
+
+/// The first bytes of files. Those of old surfaces are also those of values, of which the size is
+/// known from the header.
+const TRIANGLES: &[u8] = b"\xff\xff\xfe";
+const QUADS: &[u8] = b"\xff\xff\xfd";
+const OLD_QUADS: &[u8] = b"\xff\xff\xff";
+
+/// Returns whether a file that begins so has a surface or values of vertices.
+pub(super) fn begins(head: &[u8]) -> bool {
+    [TRIANGLES, QUADS, OLD_QUADS].iter().any(|magic| head.starts_with(magic))
+}
+
+pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
+    let bytes = source.read_all()?;
+    let mut cursor = Cursor::new(&bytes);
+    match surface(&mut cursor) {
+        Ok(dataset) => dataset.finish(),
+        Err(fault) => Err(cursor.fail(fault, source)),
+    }
+}
+
+/// Reads the values or labels of vertices.
+pub(super) fn scalars(source: &mut Source<'_>) -> Result<Vec<Scalars>> {
+    let name = source.path().extension().unwrap_or_default().to_string_lossy().into_owned();
+    let bytes = source.read_all()?;
+    let mut cursor = Cursor::new(&bytes);
+    let values =
+        if name == "annot" { labels(&mut cursor) } else { values_of_vertices(&mut cursor) };
+    match values {
+        Ok(values) => Ok(vec![Scalars { name, values }]),
+        Err(fault) => Err(cursor.fail(fault, source)),
+    }
+}
+
+/// Returns the integer in the next bytes.
+fn integer(cursor: &mut Cursor<'_>, what: &str) -> Checked<usize> {
+    whole(cursor.stored(Kind::I32, true, what)?)
+}
+
+/// Returns the integer of three bytes at the start of `bytes`.
+fn short(bytes: &[u8]) -> f64 {
+    bytes.iter().take(3).fold(0.0, |sum, &byte| 256.0 * sum + f64::from(byte))
+}
+
+fn surface(cursor: &mut Cursor<'_>) -> Checked<Dataset> {
+    let mut dataset = Dataset::default();
+    let magic = cursor.bytes(3, "the header")?;
+    if magic == TRIANGLES {
+        // Who made the file, and an empty line.
+        cursor.line();
+        cursor.line();
+        let vertices = integer(cursor, "the header")?;
+        let faces = integer(cursor, "the header")?;
+        let coordinates = 3usize.saturating_mul(vertices);
+        dataset.points(&cursor.numbers(coordinates, Some((Kind::F32, true)), "the vertices")?)?;
+        let corners = 3usize.saturating_mul(faces);
+        let corners = cursor.numbers(corners, Some((Kind::I32, true)), "the faces")?;
+        let ends: Vec<f64> = (1..=faces).map(|i| (3 * i) as f64).collect();
+        dataset.cells(&corners, &ends, 0, |_| Ok(cell::TRIANGLE))?;
+        return Ok(dataset);
+    }
+    if magic != QUADS && magic != OLD_QUADS {
+        return Err("does not begin as a surface of FreeSurfer".into());
+    }
+    if magic == OLD_QUADS && is_values(cursor.rest()) {
+        let what = "has values of vertices, but no surface: read the file of the surface, and this \
+                    one as its functions";
+        return Err(what.into());
+    }
+    let vertices = whole(short(cursor.bytes(3, "the header")?))?;
+    let faces = whole(short(cursor.bytes(3, "the header")?))?;
+    let coordinates = 3 * vertices;
+    let points = if magic == QUADS {
+        cursor.numbers(coordinates, Some((Kind::F32, true)), "the vertices")?
+    } else {
+        // Hundredths of a millimetre.
+        let stored = cursor.numbers(coordinates, Some((Kind::I16, true)), "the vertices")?;
+        stored.into_iter().map(|x| x / 100.0).collect()
+    };
+    dataset.points(&points)?;
+    let corners = cursor.bytes(12 * faces, "the faces")?;
+    let (mut triangles, mut ends) = (Vec::new(), Vec::new());
+    for quad in corners.chunks_exact(12) {
+        let [a, b, c, d] = [0, 3, 6, 9].map(|at| short(&quad[at..]));
+        // FreeSurfer cuts along the one or the other diagonal, so that neighbours differ.
+        let cut = if a % 2.0 == 0.0 { [a, b, d, c, d, b] } else { [a, b, c, a, c, d] };
+        for corner in cut {
+            push(&mut triangles, corner)?;
+        }
+        for _ in 0..2 {
+            push(&mut ends, (3 * (ends.len() + 1)) as f64)?;
+        }
+    }
+    dataset.cells(&triangles, &ends, 0, |_| Ok(cell::TRIANGLE))?;
+    Ok(dataset)
+}
+
+/// Returns whether what follows the first three bytes is a header of values of vertices, and as
+/// many values.
+fn is_values(rest: &[u8]) -> bool {
+    let number = |at: usize| {
+        let bytes = rest.get(at..at + 4)?.first_chunk::<4>()?;
+        Some(u64::from(u32::from_be_bytes(*bytes)))
+    };
+    let (Some(vertices), Some(width)) = (number(0), number(8)) else { return false };
+    vertices.checked_mul(4 * width).and_then(|size| size.checked_add(12)) == Some(rest.len() as u64)
+}
+
+fn values_of_vertices(cursor: &mut Cursor<'_>) -> Checked<Vec<f64>> {
+    let magic = cursor.bytes(3, "the header")?;
+    if magic == TRIANGLES || magic == QUADS {
+        return Err("is a surface, without values of its vertices".into());
+    }
+    if magic != OLD_QUADS {
+        // The old form begins with the number of vertices.
+        let count = whole(short(magic))?;
+        cursor.bytes(3, "the number of faces")?;
+        let values = cursor.numbers(count, Some((Kind::I16, true)), "the values")?;
+        return Ok(values.into_iter().map(|x| x / 100.0).collect());
+    }
+    let vertices = integer(cursor, "the number of vertices")?;
+    integer(cursor, "the number of faces")?;
+    match integer(cursor, "the number of values of a vertex")? {
+        1 => cursor.numbers(vertices, Some((Kind::F32, true)), "the values"),
+        other => Err(format!("{other} values for each vertex, where 1 is supported").into()),
+    }
+}
+
+/// Returns the number of each vertex's label in the table of the file, -1 where it has none.
+fn labels(cursor: &mut Cursor<'_>) -> Checked<Vec<f64>> {
+    let count = integer(cursor, "the number of vertices")?;
+    let pairs = cursor.numbers(
+        count.saturating_mul(2),
+        Some((Kind::I32, true)),
+        "the labels of vertices",
+    )?;
+    let table = table(cursor)?;
+    let mut values = roomy(count);
+    for _ in 0..count {
+        push(&mut values, -1.0)?;
+    }
+    for &[v, color] in pairs.as_chunks::<2>().0 {
+        let slot = whole(v).ok().and_then(|v| values.get_mut(v));
+        let slot = slot.ok_or_else(|| format!("vertex {v} is out of range: {count} vertices"))?;
+        *slot = match &table {
+            Some(table) => table.get(&(color as i64)).copied().unwrap_or(-1.0),
+            None => color,
+        };
+    }
+    Ok(values)
+}
+
+/// Returns the number of each colour of the table of labels; `None` where the file has no table.
+fn table(cursor: &mut Cursor<'_>) -> Checked<Option<HashMap<i64, f64>>> {
+    const WHAT: &str = "the table of labels";
+    let number = |cursor: &mut Cursor<'_>| cursor.stored(Kind::I32, true, WHAT);
+    if cursor.rest().is_empty() || number(cursor)? == 0.0 {
+        return Ok(None);
+    }
+    let mut entries = number(cursor)?;
+    let has_numbers = entries < 0.0;
+    if has_numbers {
+        if entries != -2.0 {
+            return Err(format!("version {} of a table of labels", -entries).into());
+        }
+        number(cursor)?;
+    }
+    let length = integer(cursor, WHAT)?;
+    cursor.bytes(length, WHAT)?;
+    if has_numbers {
+        entries = number(cursor)?;
+    }
+    let mut table = HashMap::new();
+    for i in 0..whole(entries)? {
+        let own = if has_numbers { number(cursor)? } else { i as f64 };
+        let length = integer(cursor, WHAT)?;
+        cursor.bytes(length, WHAT)?;
+        let [r, g, b] = [number(cursor)?, number(cursor)?, number(cursor)?].map(|x| x as i64);
+        number(cursor)?;
+        table.entry(r + (g << 8) + (b << 16)).or_insert(own);
+    }
+    Ok(Some(table))
+}

@@ -1,0 +1,315 @@
+//! Gmsh `.msh`, versions 2 and 4.1, text and binary: faces, and values of nodes.
+//!
+//! Format: "Gmsh reference manual", chapter "File formats".
+
+use std::collections::HashMap;
+
+use super::attributes::MeshFile;
+use super::cursor::Cursor;
+use super::dataset::{Array, Dataset, cell};
+use super::draft::{Checked, Fault};
+use super::stored::{Budget, Kind, whole};
+use super::text::{count, quoted, words};
+use catamaran::base::{Result, push, reserved};
+use catamaran::io::Source;
+
+pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
+    let bytes = source.read_all()?;
+    let mut reader = Reader {
+        cursor: Cursor::new(&bytes),
+        version: Version::Two,
+        stored: None,
+        vertices: HashMap::new(),
+        budget: Budget::new(source),
+        dataset: Dataset::default(),
+        cells: 0,
+    };
+    match reader.sections() {
+        Ok(()) => reader.dataset.finish(),
+        Err(fault) => Err(reader.cursor.fail(fault, source)),
+    }
+}
+
+/// Largest number of values of a node: those of a tensor.
+const MOST_VALUES: usize = 9;
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Version {
+    Two,
+    Four,
+}
+
+/// Returns the number of nodes of an element of this type, and the type of the cell that it is;
+/// `None` for an unknown type.
+fn element(kind: usize) -> Option<(usize, usize)> {
+    const NODES: [usize; 31] = [
+        2, 3, 4, 4, 8, 6, 5, 3, 6, 9, 10, 27, 18, 14, 1, 8, 20, 15, 13, 9, 10, 12, 15, 15, 21, 4,
+        5, 6, 20, 35, 56,
+    ];
+    let nodes = match kind {
+        1..=31 => NODES[kind - 1],
+        36 => 16,
+        37 => 25,
+        38 => 36,
+        92 => 64,
+        93 => 125,
+        _ => return None,
+    };
+    let cell = match kind {
+        2 => cell::TRIANGLE,
+        3 => cell::QUAD,
+        9 | 20..=25 => cell::CURVED_TRIANGLE,
+        10 | 16 | 36..=38 => cell::CURVED_QUAD,
+        _ => cell::OTHER,
+    };
+    Some((nodes, cell))
+}
+
+struct Reader<'s, 'a> {
+    cursor: Cursor<'s>,
+    version: Version,
+    /// Whether a binary file is big endian; `None` for text.
+    stored: Option<bool>,
+    /// The vertex that a node with this number is.
+    vertices: HashMap<u64, u32>,
+    budget: Budget<'s, 'a>,
+    dataset: Dataset,
+    /// Number of elements so far.
+    cells: usize,
+}
+
+impl Reader<'_, '_> {
+    fn sections(&mut self) -> Checked<()> {
+        let mut has_format = false;
+        while let Some(line) = self.cursor.full_line() {
+            let Some(name) = line.strip_prefix(b"$") else {
+                return Err(format!("{} where a section is due", quoted(line)).into());
+            };
+            match name {
+                b"MeshFormat" => {
+                    self.format()?;
+                    has_format = true;
+                }
+                _ if !has_format => {
+                    return Err("version 1 of the format, or no $MeshFormat: save as 2 or 4".into());
+                }
+                b"Nodes" => self.nodes()?,
+                b"Elements" => self.elements()?,
+                b"NodeData" => match self.node_data() {
+                    Err(Fault::What(what)) => {
+                        let line = self.cursor.line_number();
+                        let place = || format!("line {line} ({what})");
+                        let notes = &mut self.dataset.draft.notes;
+                        notes.add("left out values of nodes that can't be read", place);
+                    }
+                    read => read?,
+                },
+                b"ParametricNodes" => return Err("parametric nodes are not supported".into()),
+                _ => {}
+            }
+            self.skip_to_end(name)?;
+        }
+        if has_format { Ok(()) } else { Err("has no $MeshFormat".into()) }
+    }
+
+    /// Skips the rest of a section.
+    fn skip_to_end(&mut self, name: &[u8]) -> Checked<()> {
+        let end = [b"$End", name].concat();
+        let rest = self.cursor.rest();
+        // Its first byte is rare in numbers, too.
+        let mut starts = rest.iter().enumerate().filter(|(_, byte)| **byte == b'$');
+        let Some((at, _)) = starts.find(|(at, _)| rest[*at..].starts_with(&end)) else {
+            let end = String::from_utf8_lossy(&end).into_owned();
+            return Err(format!("truncated: the file ends before {end}").into());
+        };
+        self.cursor.skip(at + end.len());
+        Ok(())
+    }
+
+    fn format(&mut self) -> Checked<()> {
+        let what = "the version";
+        let version = self.cursor.word(what)?;
+        self.version = match version {
+            _ if version.starts_with(b"2") => Version::Two,
+            b"4.1" => Version::Four,
+            _ => {
+                let version = quoted(version);
+                return Err(format!("version {version}, where 2.2 or 4.1 is supported").into());
+            }
+        };
+        let is_binary = self.cursor.count(what)? == 1;
+        if self.cursor.count(what)? != 8 {
+            return Err("numbers are not of 8 bytes".into());
+        }
+        if is_binary {
+            self.cursor.line();
+            let one = self.cursor.bytes(4, "the byte order")?;
+            self.stored = Some(one == b"\0\0\0\x01");
+        }
+        Ok(())
+    }
+
+    /// Returns the next number, of this type in a binary file.
+    fn number(&mut self, kind: Kind, what: &str) -> Checked<f64> {
+        match self.stored {
+            Some(is_big) => self.cursor.stored(kind, is_big, what),
+            None => self.cursor.number(what),
+        }
+    }
+
+    fn count(&mut self, kind: Kind, what: &str) -> Checked<usize> {
+        whole(self.number(kind, what)?)
+    }
+
+    fn numbers(&mut self, count: usize, kind: Kind, what: &str) -> Checked<Vec<f64>> {
+        self.cursor.numbers(count, self.stored.map(|is_big| (kind, is_big)), what)
+    }
+
+    /// Returns the number on the next line, which is text in binary files, too.
+    fn counted(&mut self, what: &str) -> Checked<usize> {
+        let line = self.cursor.full_line().unwrap_or_default();
+        count(words(line).next().ok_or_else(|| format!("truncated before {what}"))?)
+    }
+
+    fn node(&mut self, number: f64, position: &[f64]) -> Checked<()> {
+        let v = self.dataset.draft.vertices.len() as u32;
+        let number = whole(number)? as u64;
+        self.dataset.points(position).map_err(|fault| fault.of(|| format!("node {number}")))?;
+        self.vertices.insert(number, v);
+        Ok(())
+    }
+
+    fn nodes(&mut self) -> Checked<()> {
+        const WHAT: &str = "the nodes";
+        if self.version == Version::Two {
+            let count = self.counted(WHAT)?;
+            for _ in 0..count {
+                let number = self.number(Kind::I32, WHAT)?;
+                let position = self.numbers(3, Kind::F64, WHAT)?;
+                self.node(number, &position)?;
+            }
+            return Ok(());
+        }
+        let head = self.numbers(4, Kind::U64, WHAT)?;
+        for _ in 0..whole(head[0])? {
+            let [dimension, _, parametric] = self.block()?;
+            let count = self.count(Kind::U64, WHAT)?;
+            let numbers = self.numbers(count, Kind::U64, WHAT)?;
+            let width = if parametric == 0.0 { 3 } else { 3 + whole(dimension)? };
+            let values = self.numbers(count.saturating_mul(width), Kind::F64, WHAT)?;
+            for (number, position) in numbers.into_iter().zip(values.chunks_exact(width)) {
+                self.node(number, &position[..3])?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the three integers that begin a block of version 4.
+    fn block(&mut self) -> Checked<[f64; 3]> {
+        let what = "the head of a block";
+        Ok([
+            self.number(Kind::I32, what)?,
+            self.number(Kind::I32, what)?,
+            self.number(Kind::I32, what)?,
+        ])
+    }
+
+    fn elements(&mut self) -> Checked<()> {
+        const WHAT: &str = "the elements";
+        if self.version == Version::Four {
+            let head = self.numbers(4, Kind::U64, WHAT)?;
+            for _ in 0..whole(head[0])? {
+                let [_, _, kind] = self.block()?;
+                let count = self.count(Kind::U64, WHAT)?;
+                let (nodes, cell) = known(kind)?;
+                for _ in 0..count {
+                    let row = self.numbers(1 + nodes, Kind::U64, WHAT)?;
+                    self.element(cell, &row[1..])?;
+                }
+            }
+            return Ok(());
+        }
+        let count = self.counted(WHAT)?;
+        let end = self.cells.saturating_add(count);
+        while self.cells < end {
+            if self.stored.is_none() {
+                self.number(Kind::I32, WHAT)?;
+                let (nodes, cell) = known(self.number(Kind::I32, WHAT)?)?;
+                let tags = self.count(Kind::I32, WHAT)?;
+                let row = self.numbers(tags.saturating_add(nodes), Kind::I32, WHAT)?;
+                self.element(cell, &row[tags..])?;
+                continue;
+            }
+            let [kind, count, tags] = self.block()?;
+            let (nodes, cell) = known(kind)?;
+            let tags = whole(tags)?;
+            for _ in 0..whole(count)?.max(1) {
+                let length = tags.saturating_add(1 + nodes);
+                let row = self.numbers(length, Kind::I32, WHAT)?;
+                self.element(cell, &row[1 + tags..])?;
+            }
+        }
+        Ok(())
+    }
+
+    fn element(&mut self, cell: usize, nodes: &[f64]) -> Checked<()> {
+        let i = self.cells;
+        self.cells += 1;
+        // Nodes of volumes need not be looked up.
+        let nodes = if cell == cell::OTHER { &[] } else { nodes };
+        let mut vertices = Vec::with_capacity(nodes.len());
+        for &number in nodes {
+            let known = whole(number).ok().and_then(|number| self.vertices.get(&(number as u64)));
+            let missing = || format!("element {i}: node {number} does not exist");
+            vertices.push(*known.ok_or_else(missing)?);
+        }
+        self.dataset.cell(cell, &mut vertices, i)
+    }
+
+    /// Reads values of nodes; those without a value have NaN.
+    fn node_data(&mut self) -> Checked<()> {
+        const WHAT: &str = "the values of nodes";
+        let mut name = None;
+        for _ in 0..self.counted(WHAT)? {
+            let line = self.cursor.full_line().ok_or("truncated before the name of values")?;
+            let text = String::from_utf8_lossy(line);
+            name.get_or_insert_with(|| text.trim_matches('"').to_owned());
+        }
+        for _ in 0..self.counted(WHAT)? {
+            self.cursor.full_line().ok_or("truncated before the time of values")?;
+        }
+        // The step, the number of values of a node, and that of nodes.
+        let mut sizes = [0, 1, 0];
+        for i in 0..self.counted(WHAT)? {
+            let size = self.counted(WHAT)?;
+            if let Some(slot) = sizes.get_mut(i) {
+                *slot = size;
+            }
+        }
+        let [_, width, count] = sizes;
+        if count == 0 || !(1..=MOST_VALUES).contains(&width) {
+            return Ok(());
+        }
+        // A value for each vertex, whatever the file gives.
+        let length = self.dataset.draft.vertices.len().saturating_mul(width);
+        self.budget.take_numbers(length)?;
+        let mut values = reserved(length)?;
+        values.resize(length, f64::NAN);
+        for _ in 0..count {
+            let number = self.count(Kind::I32, WHAT)?;
+            let row = self.numbers(width, Kind::F64, WHAT)?;
+            let Some(&v) = self.vertices.get(&(number as u64)) else {
+                return Err(format!("values of node {number}, which does not exist").into());
+            };
+            values[v as usize * width..][..width].copy_from_slice(&row);
+        }
+        let array = Array::named(name.unwrap_or_default(), width, values, Kind::F64);
+        Ok(push(&mut self.dataset.arrays, array)?)
+    }
+}
+
+/// Returns the number of nodes and the cell of a type of elements.
+fn known(kind: f64) -> Checked<(usize, usize)> {
+    let found = whole(kind).ok().and_then(element);
+    Ok(found.ok_or_else(|| format!("unknown type {kind} of elements"))?)
+}

@@ -1,0 +1,172 @@
+//! Numbers and streams as binary files and XML files store them.
+
+use std::io::Read;
+
+use base64::Engine;
+use base64::alphabet::STANDARD;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use flate2::read::{GzDecoder, ZlibDecoder};
+
+use super::draft::{Checked, Fault, roomy};
+use super::text::{number, words};
+use catamaran::base::{push, reserved};
+use catamaran::io::Source;
+
+/// The type of stored numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    I64,
+    U64,
+    F16,
+    F32,
+    F64,
+}
+
+impl Kind {
+    /// Returns the size of a number of this type, in bytes.
+    pub fn size(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 | Self::F16 => 2,
+            Self::I32 | Self::U32 | Self::F32 => 4,
+            Self::I64 | Self::U64 | Self::F64 => 8,
+        }
+    }
+
+    /// Returns the number in these bytes, of which there are [`Kind::size`]; integers beyond 2^53
+    /// are rounded.
+    pub fn number(self, bytes: &[u8], is_big: bool) -> f64 {
+        let mut wide = [0; 8];
+        let size = self.size().min(bytes.len());
+        let bits = if is_big {
+            wide[8 - size..].copy_from_slice(&bytes[..size]);
+            u64::from_be_bytes(wide)
+        } else {
+            wide[..size].copy_from_slice(&bytes[..size]);
+            u64::from_le_bytes(wide)
+        };
+        match self {
+            Self::I8 => f64::from(bits as i8),
+            Self::U8 => f64::from(bits as u8),
+            Self::I16 => f64::from(bits as i16),
+            Self::U16 => f64::from(bits as u16),
+            Self::I32 => f64::from(bits as i32),
+            Self::U32 => f64::from(bits as u32),
+            Self::I64 => bits as i64 as f64,
+            Self::U64 => bits as f64,
+            Self::F16 => half(bits as u16),
+            Self::F32 => f64::from(f32::from_bits(bits as u32)),
+            Self::F64 => f64::from_bits(bits),
+        }
+    }
+
+    /// Returns the numbers in these bytes; bytes after the last whole number are left out.
+    pub fn numbers(self, bytes: &[u8], is_big: bool) -> Checked<Vec<f64>> {
+        let mut values = reserved(bytes.len() / self.size())?;
+        values.extend(bytes.chunks_exact(self.size()).map(|own| self.number(own, is_big)));
+        Ok(values)
+    }
+}
+
+/// Returns the number of half precision (IEEE 754, binary16) with these bits.
+fn half(bits: u16) -> f64 {
+    let fraction = f64::from(bits & 0x3ff) / 1024.0;
+    let magnitude = match i32::from((bits >> 10) & 0x1f) {
+        0 => fraction * 2f64.powi(-14),
+        31 if fraction == 0.0 => f64::INFINITY,
+        31 => f64::NAN,
+        exponent => (1.0 + fraction) * 2f64.powi(exponent - 15),
+    };
+    if bits >> 15 == 1 { -magnitude } else { magnitude }
+}
+
+/// Returns the numbers of a text.
+pub(super) fn text_numbers(text: &[u8]) -> Checked<Vec<f64>> {
+    let mut values = roomy(text.len() / 2);
+    for word in words(text) {
+        push(&mut values, number(word)?)?;
+    }
+    Ok(values)
+}
+
+/// Returns a number as an index or a count.
+pub(super) fn whole(number: f64) -> Checked<usize> {
+    /// From here on, doubles skip integers.
+    const END: f64 = 9_007_199_254_740_992.0;
+    if number >= 0.0 && number < END && number.fract() == 0.0 {
+        Ok(number as usize)
+    } else {
+        Err(format!("{number} is not an index or a count").into())
+    }
+}
+
+/// Returns the number of a vertex, where `base` vertices come before the one with number 0.
+pub(super) fn vertex(number: f64, base: usize) -> Checked<u32> {
+    let moved = whole(number).ok().and_then(|v| u32::try_from(v.checked_add(base)?).ok());
+    moved.ok_or_else(|| format!("vertex {number} does not exist").into())
+}
+
+/// Returns the bytes of a text in base64, which may have blanks in it, and in which streams with
+/// their paddings may follow each other.
+pub(super) fn from_base64(text: &[u8]) -> Checked<Vec<u8>> {
+    let config =
+        GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent);
+    let engine = GeneralPurpose::new(&STANDARD, config);
+    let compact: Vec<u8> = text.iter().copied().filter(|b| !b.is_ascii_whitespace()).collect();
+    let mut bytes = Vec::new();
+    for stream in compact.split(|&byte| byte == b'=').filter(|stream| !stream.is_empty()) {
+        let decoded = engine.decode_vec(stream, &mut bytes);
+        decoded.map_err(|e| Fault::from(format!("broken base64: {e}")))?;
+    }
+    Ok(bytes)
+}
+
+/// The memory that the unpacked parts of a file take, which is limited as that of the file.
+pub(super) struct Budget<'s, 'a> {
+    source: &'s Source<'a>,
+    taken: usize,
+}
+
+impl<'s, 'a> Budget<'s, 'a> {
+    pub fn new(source: &'s Source<'a>) -> Self {
+        Self { source, taken: 0 }
+    }
+
+    /// Takes more bytes, or returns an error that says how many the file would take.
+    pub fn take(&mut self, bytes: usize) -> Checked<()> {
+        self.taken = self.taken.saturating_add(bytes);
+        Ok(self.source.check_memory::<u8>("what it unpacks to", self.taken)?)
+    }
+
+    /// Takes the memory of so many numbers.
+    pub fn take_numbers(&mut self, count: usize) -> Checked<()> {
+        self.take(count.saturating_mul(size_of::<f64>()))
+    }
+
+    /// Appends to `out` what a stream of zlib or gzip unpacks to, which is `size` bytes.
+    pub fn inflate(&mut self, packed: &[u8], size: usize, out: &mut Vec<u8>) -> Checked<()> {
+        self.take(size)?;
+        let before = out.len();
+        // One byte more than announced, so that the content of a wrong size is not all unpacked.
+        let most = (size as u64).saturating_add(1);
+        let read = if packed.starts_with(b"\x1f\x8b") {
+            GzDecoder::new(packed).take(most).read_to_end(out)
+        } else {
+            ZlibDecoder::new(packed).take(most).read_to_end(out)
+        };
+        read.map_err(|e| Fault::from(format!("can't be unpacked: {e}")))?;
+        match out.len() - before {
+            unpacked if unpacked == size => Ok(()),
+            unpacked if unpacked < size => {
+                Err(format!("unpacks to {unpacked} of {size} bytes").into())
+            }
+            _ => Err(format!("unpacks to more than {size} bytes").into()),
+        }
+    }
+}

@@ -1,0 +1,795 @@
+//! Files of simulation, imaging and printing: each encoding of VTK, GIFTI, FreeSurfer, Gmsh and 3MF
+//! is read, broken files are refused, and what is written is read back.
+
+use std::fs;
+use std::io::Write;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use catamaran_geometry::decimate::{DecimateOptions, decimate};
+use catamaran_geometry::mesh::io::{
+    Attribute, MeshFile, MeshFormat, Scalars, VtkEncoding, read, read_bytes, read_scalars, write,
+    write_bytes,
+};
+use catamaran_geometry::mesh::{Refined, TriMesh, families};
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
+use zip::ZipWriter;
+use zip::write::SimpleFileOptions;
+
+use crate::mesh_files::{Folder, create};
+
+const VTK: MeshFormat = MeshFormat::Vtk(VtkEncoding::Ascii);
+
+const FACES: [[u32; 3]; 12] = [
+    [0, 2, 1],
+    [1, 2, 3],
+    [4, 5, 6],
+    [5, 7, 6],
+    [0, 1, 4],
+    [1, 5, 4],
+    [2, 6, 3],
+    [3, 6, 7],
+    [0, 4, 2],
+    [2, 4, 6],
+    [1, 3, 5],
+    [3, 7, 5],
+];
+
+/// The sides of the unit cube, outwards.
+const SIDES: [[u32; 4]; 6] =
+    [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+
+fn corners() -> Vec<[f64; 3]> {
+    (0..8u32).map(|v| [v & 1, (v >> 1) & 1, v >> 2].map(f64::from)).collect()
+}
+
+/// Returns numbers in words.
+fn text<T: ToString>(numbers: impl IntoIterator<Item = T>) -> String {
+    numbers.into_iter().map(|x| x.to_string()).collect::<Vec<_>>().join(" ")
+}
+
+fn positions() -> String {
+    text(corners().into_flattened())
+}
+
+fn is_cube(bytes: &[u8], format: MeshFormat, what: &str) -> MeshFile {
+    let file = read_bytes(bytes, format).unwrap_or_else(|e| panic!("{what}: {e}"));
+    assert_eq!(file.mesh.faces().len(), 12, "{what}");
+    let (area, volume) = (file.mesh.area(), file.mesh.volume());
+    assert!((area - 6.0).abs() < 1e-12 && (volume - 1.0).abs() < 1e-12, "{what}: {area}, {volume}");
+    file
+}
+
+fn refused(bytes: &[u8], format: MeshFormat) -> String {
+    read_bytes(bytes, format).expect_err("refused").to_string()
+}
+
+/// Refuses every beginning of a file.
+fn beginnings_are_refused(bytes: &[u8], end: usize, format: MeshFormat, what: &str) {
+    for length in 1..end {
+        assert!(read_bytes(&bytes[..length], format).is_err(), "{what}: {length} bytes");
+    }
+}
+
+fn big<const N: usize, T>(numbers: impl IntoIterator<Item = T>, to: fn(T) -> [u8; N]) -> Vec<u8> {
+    numbers.into_iter().flat_map(to).collect()
+}
+
+#[test]
+fn legacy_vtk_is_read_in_each_form() {
+    let head = |encoding: &str| format!("# vtk DataFile Version 3.0\na cube\n{encoding}\n");
+    let points = format!("POINTS 8 double\n{}\n", positions());
+    let sides: String = SIDES.iter().map(|side| format!("4 {}\n", text(side))).collect();
+    let polygons = format!("DATASET POLYDATA\n{points}POLYGONS 6 30\n{sides}");
+    let values = "POINT_DATA 8\nSCALARS heat float\nLOOKUP_TABLE default\n0 1 2 3 4 5 6 7\n\
+                  COLOR_SCALARS rgb 3\n1 0 0 1 0 0 1 0 0 1 0 0 1 0 0 1 0 0 1 0 0 0 .5 1\n\
+                  FIELD FieldData 2\nwind%20speed 2 8 double\n0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 .5\n\
+                  Normals 3 8 float\n0 0 1 0 0 1 0 0 1 0 0 1 0 0 1 0 0 1 0 0 1 0 0 1\n";
+    let file = is_cube((head("ASCII") + &polygons + values).as_bytes(), VTK, "polygons");
+    assert_eq!(file.colors.unwrap()[7], [0.0, 0.5, 1.0, 1.0]);
+    assert_eq!(file.normals.unwrap().values[3], [0.0, 0.0, 1.0]);
+    let names: Vec<&str> = file.scalars.iter().map(|scalars| &scalars.name[..]).collect();
+    assert_eq!(names, ["heat", "wind speed.0", "wind speed.1"]);
+    assert_eq!((file.scalars[0].values[6], file.scalars[2].values[7]), (6.0, 0.5));
+    assert!(file.notes.is_empty(), "{:?}", file.notes);
+
+    // A pixel, quadrilaterals, a quadratic triangle, and cells that are not faces; in offsets, too.
+    let cells = "CELLS 9 41\n4 0 2 1 3\n4 4 5 7 6\n4 0 1 5 4\n4 2 6 7 3\n4 0 4 6 2\n\
+                 6 1 3 7 0 0 0\n3 1 7 5\n1 0\n2 0 1\n";
+    let kinds = "CELL_TYPES 9\n8 9 9 9 9 22 5 1 3\n";
+    let grid = format!("{}DATASET UNSTRUCTURED_GRID\n{points}{cells}{kinds}", head("ASCII"));
+    let file = is_cube(grid.as_bytes(), VTK, "grid");
+    assert!(file.notes[0].starts_with("took faces with vertices"), "{:?}", file.notes);
+    assert!(file.notes[1].contains("not faces: 2, the first at cell 7"), "{:?}", file.notes);
+    let offsets = format!(
+        "{}DATASET POLYDATA\n{points}POLYGONS 7 24\nOFFSETS vtktypeint64\n0 4 8 12 16 20 24\n\
+         CONNECTIVITY vtktypeint64\n{}\nMETADATA\nINFORMATION 0\n\n",
+        head("ASCII"),
+        text(SIDES.as_flattened())
+    );
+    is_cube(offsets.as_bytes(), VTK, "offsets");
+
+    // Texts before the points.
+    let texts = "DATASET POLYDATA\nFIELD FieldData 1\nnames 1 2 string\n";
+    let named = format!("{}{texts}a b\n\n{points}POLYGONS 6 30\n{sides}", head("ASCII"));
+    is_cube(named.as_bytes(), VTK, "texts");
+    let mut named = (head("BINARY") + texts).into_bytes();
+    named.extend([0xc1, b'a', 0x80, 0x02, b'b', b'c']);
+    named.extend(b"\nPOINTS 0 float\n\n");
+    assert!(read_bytes(&named, VTK).unwrap().notes.is_empty());
+
+    let mut binary = (head("BINARY") + "DATASET POLYDATA\nPOINTS 8 float\n").into_bytes();
+    binary.extend(big(corners().into_flattened(), |x| (x as f32).to_be_bytes()));
+    binary.extend(b"\nPOLYGONS 6 30\n");
+    binary.extend(big(SIDES.iter().flat_map(|&[a, b, c, d]| [4, a, b, c, d]), u32::to_be_bytes));
+    let end = binary.len();
+    binary.extend(b"\nPOINT_DATA 8\nCOLOR_SCALARS rgb 3\n");
+    binary.extend([51; 24]);
+    binary.extend(b"\nSCALARS n short 1\nLOOKUP_TABLE default\n");
+    binary.extend(big(0..8i16, i16::to_be_bytes));
+    let file = is_cube(&binary, VTK, "binary");
+    assert_eq!(file.colors.unwrap()[5], [0.2, 0.2, 0.2, 1.0]);
+    assert_eq!(file.scalars[0].values[5], 5.0);
+    // Before the points there is a mesh without any.
+    let points = head("BINARY").len() + "DATASET POLYDATA\n".len();
+    assert!(read_bytes(&binary[..points], VTK).is_ok());
+    for length in points + 1..end {
+        if let Ok(cut) = read_bytes(&binary[..length], VTK) {
+            assert!(cut.mesh.faces().is_empty(), "{length}");
+        }
+    }
+}
+
+#[test]
+fn triangle_strips_of_vtk_alternate() {
+    let text = "# vtk DataFile Version 2.0\n\nascii\nDATASET POLYDATA\nPOINTS 4 float\n\
+                0 0 0 1 0 0 0 1 0 1 1 0\nTRIANGLE_STRIPS 1 5\n4 0 1 2 3\nLINES 1 3\n2 0 1\n";
+    let file = read_bytes(text.as_bytes(), VTK).unwrap();
+    assert_eq!(file.mesh.faces(), [[0, 1, 2], [2, 1, 3]]);
+}
+
+#[test]
+fn errors_in_vtk_name_the_line_and_the_culprit() {
+    let head = "# vtk DataFile Version 3.0\n\nASCII\n";
+    for (rest, what) in [
+        ("DATASET STRUCTURED_POINTS\n", "mesh.vtk:4: a dataset \"STRUCTURED_POINTS\" is not a"),
+        ("DATASET POLYDATA\nPOINTS 2 float\n0 0 0\n1 x 0\n", "mesh.vtk:7: \"x\" is not a number"),
+        ("DATASET POLYDATA\nPOINTS 9999999999 float\n0 0 0\n", "truncated: the file ends before"),
+        ("DATASET POLYDATA\nPOINTS 1 thing\n", "unknown type \"thing\""),
+        ("DATASET POLYDATA\nPOINTS 1 float\n0 0 0\nPOLYGONS 1 4\n3 0 1 2\n", "vertex 1 is out"),
+        ("DATASET POLYDATA\nPOINTS 1 float\n0 0 0\nPOLYGONS 1 4\n5 0 0 0\n", "cell 0 of 1"),
+        ("DATASET UNSTRUCTURED_GRID\nCELLS 1 2\n1 0\n", "CELLS without CELL_TYPES"),
+        ("POINTS\n", "mesh.vtk:4: \"POINTS\" lacks a word"),
+        ("NONSENSE 1\n", "\"NONSENSE 1\" is out of place"),
+    ] {
+        let found = refused((head.to_owned() + rest).as_bytes(), VTK);
+        assert!(found.contains(what), "{rest}: {found}");
+    }
+}
+
+/// Returns the parts of a VTK file in XML: its header's attributes, arrays, and appended data.
+fn vtp(encoding: &str, packed: bool, wide: bool) -> Vec<u8> {
+    let points = big(corners().into_flattened(), f64::to_le_bytes);
+    let connectivity = big(SIDES.into_iter().flatten(), |v| i64::from(v).to_le_bytes());
+    let offsets = big((1..7).map(|i| 4 * i), i32::to_le_bytes);
+    let heat = big((0..8u8).map(|v| 2 * v), |x| [x]);
+    let word = |n: usize| match wide {
+        true => (n as u64).to_le_bytes().to_vec(),
+        false => (n as u32).to_le_bytes().to_vec(),
+    };
+    // Blocks of 50 bytes.
+    let block = |bytes: &[u8]| {
+        let mut packer = ZlibEncoder::new(Vec::new(), Compression::default());
+        packer.write_all(bytes).unwrap();
+        packer.finish().unwrap()
+    };
+    let stored = |bytes: &[u8]| -> [Vec<u8>; 2] {
+        if !packed {
+            return [[word(bytes.len()), bytes.to_vec()].concat(), vec![]];
+        }
+        let blocks: Vec<Vec<u8>> = bytes.chunks(50).map(block).collect();
+        let sizes: Vec<u8> = blocks.iter().flat_map(|block| word(block.len())).collect();
+        let head = [word(blocks.len()), word(50), word(bytes.len() % 50), sizes].concat();
+        [head, blocks.concat()]
+    };
+    let mut appended: Vec<u8> = Vec::new();
+    let mut array = |name: &str, kind: &str, width: usize, bytes: &[u8], numbers: String| {
+        let start = format!(
+            "<DataArray Name=\"{name}\" type=\"{kind}\" NumberOfComponents=\"{width}\" format="
+        );
+        let own = stored(bytes);
+        let base64 = own.clone().map(|part| STANDARD.encode(part)).concat();
+        match encoding {
+            "ascii" => format!("{start}\"ascii\">{numbers}<X/></DataArray>"),
+            "binary" => format!("{start}\"binary\">\n  {base64}\n</DataArray>"),
+            _ => {
+                let offset = appended.len();
+                appended.extend(if encoding == "raw" { own.concat() } else { base64.into_bytes() });
+                format!("{start}\"appended\" offset=\"{offset}\"/>")
+            }
+        }
+    };
+    let points = array("Points", "Float64", 3, &points, positions());
+    let connectivity = array("connectivity", "Int64", 1, &connectivity, text(SIDES.as_flattened()));
+    let offsets = array("offsets", "Int32", 1, &offsets, "4 8 12 16 20 24".into());
+    let heat = array("heat", "UInt8", 1, &heat, "0 2 4 6 8 10 12 14".into());
+    let compressor = if packed { " compressor=\"vtkZLibDataCompressor\"" } else { "" };
+    let header = if wide { " header_type=\"UInt64\"" } else { "" };
+    let body = format!(
+        "<?xml version=\"1.0\"?>\n<!-- a cube -->\n<VTKFile type=\"PolyData\" version=\"1.0\" \
+         byte_order=\"LittleEndian\"{header}{compressor}>\n<PolyData>\n\
+         <FieldData><DataArray Name=\"t\" type=\"Int8\">1</DataArray></FieldData>\n\
+         <Piece NumberOfPoints=\"8\" NumberOfPolys=\"6\">\n<PointData Scalars=\"heat\">{heat}\
+         </PointData>\n<Points>{points}</Points>\n<Polys>{connectivity}{offsets}</Polys>\n\
+         </Piece>\n</PolyData>\n"
+    );
+    let mut bytes = body.into_bytes();
+    if matches!(encoding, "raw" | "base64") {
+        bytes.extend(format!("<AppendedData encoding=\"{encoding}\">\n  _").into_bytes());
+        bytes.extend(appended);
+        bytes.extend(b"\n</AppendedData>\n");
+    }
+    bytes.extend(b"</VTKFile>\n");
+    bytes
+}
+
+#[test]
+fn vtk_in_xml_is_read_in_each_encoding() {
+    for encoding in ["ascii", "binary", "raw", "base64"] {
+        for (packed, wide) in [(false, false), (false, true), (true, false), (true, true)] {
+            let what = format!("{encoding}, {packed}, {wide}");
+            let bytes = vtp(encoding, packed, wide);
+            let file = is_cube(&bytes, MeshFormat::VtkXml, &what);
+            let heat: Vec<f64> = (0..8).map(|v| f64::from(2 * v)).collect();
+            assert_eq!(file.scalars, [Scalars { name: "heat".into(), values: heat }], "{what}");
+            let end = bytes.len() - 40;
+            beginnings_are_refused(&bytes, end.min(700), MeshFormat::VtkXml, &what);
+        }
+    }
+    let grid = String::from_utf8(vtp("ascii", false, false)).unwrap();
+    let grid = grid.replace("PolyData", "UnstructuredGrid").replace("Polys>", "Cells>");
+    let kinds = "<DataArray Name=\"types\" type=\"UInt8\">9 9 9 9 9 9</DataArray></Cells>";
+    let grid = grid.replace("</Cells>", kinds);
+    is_cube(grid.as_bytes(), MeshFormat::VtkXml, "grid");
+    // The vertices of the second piece count from its own first one.
+    let text = String::from_utf8(vtp("ascii", false, false)).unwrap();
+    let (start, end) = (text.find("<Piece").unwrap(), text.find("</PolyData>").unwrap());
+    let twice = [&text[..end], &text[start..end], &text[end..]].concat();
+    let file = read_bytes(twice.as_bytes(), MeshFormat::VtkXml).unwrap();
+    assert!((file.mesh.volume() - 2.0).abs() < 1e-12);
+    assert_eq!(file.scalars[0].values[15], 14.0);
+    for (from, to, what) in [
+        ("\"PolyData\"", "\"ImageData\"", "VTKFile of type \"ImageData\" is not a surface"),
+        ("</Points>", "</Point>", "mesh.vtp:8: </Point> where <Points> is open"),
+        ("4 8 12", "4 8 99", "cell 2 has vertices 8 to 99 of 24"),
+        ("\"LittleEndian\"", "\"LittleEndian\" compressor=\"vtkLZ4DataCompressor\"", "LZ4"),
+    ] {
+        let found = refused(text.replace(from, to).as_bytes(), MeshFormat::VtkXml);
+        assert!(found.contains(what), "{to}: {found}");
+    }
+}
+
+#[test]
+fn what_headers_of_xml_announce_takes_no_memory() {
+    let text = "<VTKFile type=\"PolyData\" header_type=\"UInt64\" \
+                compressor=\"vtkZLibDataCompressor\"><Piece><Points><DataArray Name=\"P\" \
+                type=\"Float32\" format=\"binary\">DATA</DataArray></Points></Piece></VTKFile>";
+    for words in [[1 << 50, 1, 1, 1], [1, 1 << 50, 1 << 50, 1], [1, 8, 8, 1 << 40]] {
+        let mut bytes = words.map(|word: u64| word.to_le_bytes()).concat();
+        bytes.push(0);
+        let file = text.replace("DATA", &STANDARD.encode(bytes));
+        let found = refused(file.as_bytes(), MeshFormat::VtkXml);
+        assert!(found.contains("truncated") || found.contains("memory"), "{found}");
+    }
+}
+
+#[test]
+fn gifti_is_read_in_each_encoding() {
+    let points: Vec<f32> = corners().into_flattened().into_iter().map(|x| x as f32).collect();
+    let by_columns = |i: usize| points[3 * (i % 8) + i / 8];
+    for encoding in ["ASCII", "Base64Binary", "GZipBase64Binary"] {
+        for (endian, order) in
+            [("Little", "RowMajor"), ("Big", "RowMajor"), ("Little", "ColumnMajor")]
+        {
+            let is_big = endian == "Big";
+            let ordered: Vec<f32> = match order {
+                "RowMajor" => points.clone(),
+                _ => (0..24).map(by_columns).collect(),
+            };
+            let data = |bytes: Vec<u8>, numbers: String| match encoding {
+                "ASCII" => numbers,
+                "Base64Binary" => STANDARD.encode(bytes),
+                _ => {
+                    let mut packer = ZlibEncoder::new(Vec::new(), Compression::default());
+                    packer.write_all(&bytes).unwrap();
+                    STANDARD.encode(packer.finish().unwrap())
+                }
+            };
+            let array = |intent: &str, kind: &str, shape: &str, order: &str, data: String| {
+                format!(
+                    "<DataArray Intent=\"NIFTI_INTENT_{intent}\" DataType=\"NIFTI_TYPE_{kind}\" \
+                     {shape} Encoding=\"{encoding}\" Endian=\"{endian}Endian\" \
+                     ArrayIndexingOrder=\"{order}Order\"><MetaData><MD><Name>Name</Name>\
+                     <Value><![CDATA[of & {intent}]]></Value></MD></MetaData>\
+                     <Data>{data}</Data></DataArray>\n"
+                )
+            };
+            let float = if is_big { f32::to_be_bytes } else { f32::to_le_bytes };
+            let int = if is_big { u32::to_be_bytes } else { u32::to_le_bytes };
+            let table = |rows: usize| format!("Dimensionality=\"2\" Dim0=\"{rows}\" Dim1=\"3\"");
+            let faces = || FACES.into_iter().flatten();
+            let thickness = [0.5f32, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0];
+            let body = [
+                array(
+                    "POINTSET",
+                    "FLOAT32",
+                    &table(8),
+                    order,
+                    data(big(ordered.clone(), float), text(ordered)),
+                ),
+                array(
+                    "TRIANGLE",
+                    "INT32",
+                    &table(12),
+                    "RowMajor",
+                    data(big(faces(), int), text(faces())),
+                ),
+                array(
+                    "SHAPE",
+                    "FLOAT32",
+                    "Dimensionality=\"1\" Dim0=\"8\"",
+                    "RowMajor",
+                    data(big(thickness, float), text(thickness)),
+                ),
+            ];
+            let gifti = |body: String| format!("<?xml version=\"1.0\"?><GIFTI>\n{body}</GIFTI>");
+            let what = format!("{encoding}, {endian}, {order}");
+            let bytes = gifti(body.concat()).into_bytes();
+            let file = is_cube(&bytes, MeshFormat::Gifti, &what);
+            assert_eq!(file.scalars[0].name, "of & SHAPE");
+            assert_eq!(file.scalars[0].values, thickness.map(f64::from), "{what}");
+            beginnings_are_refused(&bytes, bytes.len(), MeshFormat::Gifti, &what);
+            // Values without a surface.
+            let values = gifti(body[2].clone());
+            let found = refused(values.as_bytes(), MeshFormat::Gifti);
+            assert!(found.contains("no surface"), "{found}");
+            let folder = Folder::new();
+            let path = folder.path("a.shape.gii");
+            fs::write(&path, values).unwrap();
+            assert_eq!(read_scalars(&path).unwrap(), file.scalars);
+        }
+    }
+}
+
+#[test]
+fn surfaces_of_freesurfer_are_read_and_old_ones_of_quadrilaterals() {
+    let mut bytes = b"\xff\xff\xfecreated by a test\n\n\0\0\0\x08\0\0\0\x0c".to_vec();
+    bytes.extend(big(corners().into_flattened(), |x| (x as f32).to_be_bytes()));
+    bytes.extend(big(FACES.into_iter().flatten(), u32::to_be_bytes));
+    let end = bytes.len();
+    bytes.extend(b"\0\0\0\x02valid");
+    let file = is_cube(&bytes, MeshFormat::FreeSurfer, "triangles");
+    assert_eq!(file.mesh.faces(), FACES);
+    beginnings_are_refused(&bytes, end, MeshFormat::FreeSurfer, "triangles");
+
+    let quads: Vec<u8> = SIDES.iter().flatten().flat_map(|&v| [0, 0, v as u8]).collect();
+    let head = |magic: u8| vec![0xff, 0xff, magic, 0, 0, 8, 0, 0, 6];
+    let floats = big(corners().into_flattened(), |x| (x as f32).to_be_bytes());
+    let hundredths = big(corners().into_flattened(), |x| ((100.0 * x) as i16).to_be_bytes());
+    for (magic, points) in [(0xfd, floats), (0xff, hundredths)] {
+        let bytes = [head(magic), points, quads.clone()].concat();
+        is_cube(&bytes, MeshFormat::FreeSurfer, "quadrilaterals");
+        beginnings_are_refused(&bytes, bytes.len(), MeshFormat::FreeSurfer, "quadrilaterals");
+    }
+    // Content decides: the name says nothing.
+    let folder = Folder::new();
+    let path = folder.path("lh.smoothwm");
+    fs::write(&path, &bytes).unwrap();
+    assert_eq!(read(&path).unwrap().mesh, file.mesh);
+}
+
+#[test]
+fn values_and_labels_of_freesurfer_are_read() {
+    let folder = Folder::new();
+    let mut curv = b"\xff\xff\xff\0\0\0\x03\0\0\0\x01\0\0\0\x01".to_vec();
+    curv.extend(big([0.5f32, -1.0, 2.0], f32::to_be_bytes));
+    let found = refused(&curv, MeshFormat::FreeSurfer);
+    assert!(found.contains("no surface"), "{found}");
+    let mut old = b"\0\0\x03\0\0\x01".to_vec();
+    old.extend(big([50i16, -100, 200], i16::to_be_bytes));
+    for (name, bytes) in [("lh.curv", &curv), ("lh.sulc", &old)] {
+        let path = folder.path(name);
+        fs::write(&path, bytes).unwrap();
+        let scalars = read_scalars(&path).unwrap();
+        assert_eq!(
+            (&scalars[0].name[..], &scalars[0].values[..]),
+            (&name[3..], &[0.5, -1.0, 2.0][..])
+        );
+        fs::write(&path, &bytes[..bytes.len() - 1]).unwrap();
+        let found = read_scalars(&path).unwrap_err().to_string();
+        assert!(found.contains("truncated"), "{found}");
+    }
+    // Labels of vertices: colours, of which a table says the numbers; version 2 of it.
+    let color = |r: i32, g: i32, b: i32| r + (g << 8) + (b << 16);
+    let mut words = vec![3, 0, color(10, 20, 30), 1, color(1, 1, 1), 2, 0];
+    words.extend([1, -2, 9, 1]);
+    let mut bytes = big(words, i32::to_be_bytes);
+    bytes.extend(b"t\0\0\0\x02");
+    for (number, [r, g, b]) in [(4, [1, 1, 1]), (7, [10, 20, 30])] {
+        bytes.extend(big([number, 2], i32::to_be_bytes));
+        bytes.extend(b"n\0");
+        bytes.extend(big([r, g, b, 0], i32::to_be_bytes));
+    }
+    let path = folder.path("lh.annot");
+    fs::write(&path, &bytes).unwrap();
+    assert_eq!(read_scalars(&path).unwrap()[0].values, [7.0, 4.0, -1.0]);
+    // The first number announces more than there is.
+    bytes[0] = 0x7f;
+    fs::write(&path, &bytes).unwrap();
+    assert!(read_scalars(&path).unwrap_err().to_string().contains("truncated"));
+}
+
+/// Numbers as Gmsh writes them, as text or binary.
+struct Numbers {
+    bytes: Vec<u8>,
+    binary: bool,
+}
+
+impl Numbers {
+    fn text(&mut self, text: &str) {
+        self.bytes.extend(text.as_bytes());
+    }
+
+    fn ints<const N: usize>(&mut self, numbers: [i32; N]) {
+        self.add(numbers, i32::to_le_bytes);
+    }
+
+    fn longs<const N: usize>(&mut self, numbers: [u64; N]) {
+        self.add(numbers, u64::to_le_bytes);
+    }
+
+    fn reals<const N: usize>(&mut self, numbers: [f64; N]) {
+        self.add(numbers, f64::to_le_bytes);
+    }
+
+    fn add<T: ToString, const N: usize, const SIZE: usize>(
+        &mut self,
+        numbers: [T; N],
+        to: fn(T) -> [u8; SIZE],
+    ) {
+        for number in numbers {
+            match self.binary {
+                true => self.bytes.extend(to(number)),
+                false => self.text(&(number.to_string() + " ")),
+            }
+        }
+    }
+}
+
+/// Returns a cube in Gmsh's format, and a node in no face; node numbers are 10 more than vertex
+/// numbers.
+fn msh(version: u32, binary: bool) -> Vec<u8> {
+    let mut file = Numbers { bytes: Vec::new(), binary };
+    let number = if version == 2 { "2.2" } else { "4.1" };
+    file.text(&format!("$MeshFormat\n{number} {} 8\n", u8::from(binary)));
+    if binary {
+        file.ints([1]);
+    }
+    file.text("\n$EndMeshFormat\n$Comments\n$ of any kind\n$EndComments\n$Nodes\n");
+    let position = |v: i32| corners()[v as usize % 8];
+    if version == 2 {
+        file.text("9\n");
+        for v in 0..9 {
+            file.ints([v + 10]);
+            file.reals(position(v));
+        }
+    } else {
+        // Blocks, nodes, the least and the largest number; the block of a surface.
+        file.longs([1, 9, 10, 18]);
+        file.ints([2, 1, 0]);
+        file.longs([9]);
+        (10..19).for_each(|number| file.longs([number]));
+        (0..9).for_each(|v| file.reals(position(v)));
+    }
+    file.text("\n$EndNodes\n$Elements\n");
+    if version == 2 {
+        file.text("7\n");
+        // A point, and quadrilaterals, with two tags each.
+        let head = |i: i32, kind: i32| match binary {
+            true => [kind, 1, 2, i, 5, 5],
+            false => [i, kind, 2, 5, 5, 0],
+        };
+        let given = if binary { 6 } else { 5 };
+        let add = |file: &mut Numbers, head: [i32; 6]| {
+            head[..given].iter().for_each(|&number| file.ints([number]));
+        };
+        add(&mut file, head(0, 15));
+        file.ints([18]);
+        for (i, side) in (1..).zip(SIDES) {
+            add(&mut file, head(i, 3));
+            file.ints(side.map(|v| v as i32 + 10));
+        }
+    } else {
+        file.longs([2, 7, 1, 7]);
+        file.ints([0, 1, 15]);
+        file.longs([1, 1, 18]);
+        file.ints([2, 1, 3]);
+        file.longs([6]);
+        for (i, side) in (2..).zip(SIDES) {
+            file.longs([i]);
+            file.longs(side.map(|v| u64::from(v) + 10));
+        }
+    }
+    file.text("\n$EndElements\n$NodeData\n1\n\"heat\"\n1\n0.0\n3\n0\n1\n2\n");
+    for (number, value) in [(11, 0.25), (17, 0.5)] {
+        file.ints([number]);
+        file.reals([value]);
+    }
+    file.text("\n$EndNodeData\n");
+    file.bytes
+}
+
+#[test]
+fn faces_of_gmsh_are_read_in_each_version() {
+    for (version, binary) in [(2, false), (2, true), (4, false), (4, true)] {
+        let what = format!("{version}, {binary}");
+        let bytes = msh(version, binary);
+        let file = is_cube(&bytes, MeshFormat::Gmsh, &what);
+        // The node of no face is gone.
+        assert_eq!(file.mesh.vertices(), corners(), "{what}");
+        let Scalars { name, values } = &file.scalars[0];
+        assert_eq!((&name[..], values[1], values[7]), ("heat", 0.25, 0.5), "{what}");
+        assert!(values[0].is_nan(), "{what}");
+        let end = bytes.windows(12).position(|bytes| bytes == b"$EndElements").unwrap();
+        for length in 1..end {
+            if let Ok(cut) = read_bytes(&bytes[..length], MeshFormat::Gmsh) {
+                assert!(cut.mesh.faces().is_empty(), "{what}: {length}");
+            }
+        }
+    }
+    let text = String::from_utf8(msh(2, false)).unwrap();
+    for (from, to, what) in [
+        ("2.2 0 8", "4.0 0 8", "mesh.msh:2: version \"4.0\", where 2.2 or 4.1 is supported"),
+        ("$MeshFormat", "$NOD", "version 1 of the format"),
+        ("1 3 2 5 5 10", "1 3 2 5 5 99", "element 1: node 99 does not exist"),
+        ("1 3 2 5 5 10", "1 999 2 5 5 10", "unknown type 999 of elements"),
+    ] {
+        let found = refused(text.replacen(from, to, 1).as_bytes(), MeshFormat::Gmsh);
+        assert!(found.contains(what), "{to}: {found}");
+    }
+}
+
+/// Returns an archive with these parts and one that names the first as the model.
+fn threemf(parts: &[(&str, &str)]) -> Vec<u8> {
+    let mut archive = ZipWriter::new(std::io::Cursor::new(Vec::new()));
+    let relations = format!(
+        "<Relationships><Relationship Id=\"a\" Target=\"/{}\" \
+         Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\"/></Relationships>",
+        parts[0].0
+    );
+    for &(name, text) in [("_rels/.rels", &relations[..])].iter().chain(parts) {
+        archive.start_file(name, SimpleFileOptions::default()).unwrap();
+        archive.write_all(text.as_bytes()).unwrap();
+    }
+    archive.finish().unwrap().into_inner()
+}
+
+/// Returns an object that is the unit cube.
+fn cube_object(id: u32) -> String {
+    let vertices: String = corners()
+        .iter()
+        .map(|[x, y, z]| format!("<vertex x=\"{x}\" y=\"{y}\" z=\"{z}\"/>"))
+        .collect();
+    let triangles: String = FACES
+        .iter()
+        .map(|[a, b, c]| format!("<triangle v1=\"{a}\" v2=\"{b}\" v3=\"{c}\"/>"))
+        .collect();
+    format!(
+        "<object id=\"{id}\"><mesh><vertices>{vertices}</vertices><triangles>{triangles}\
+         </triangles></mesh></object>"
+    )
+}
+
+#[test]
+fn objects_of_3mf_are_in_their_places_in_millimetres() {
+    let format = MeshFormat::ThreeMf;
+    let model = |unit: &str, resources: &str, build: &str| {
+        format!(
+            "<?xml version=\"1.0\"?><model unit=\"{unit}\"><resources>{resources}</resources>\
+             <build>{build}</build></model>"
+        )
+    };
+    let cube = cube_object(1);
+    let text = model("millimeter", &cube, "<item objectid=\"1\"/>");
+    is_cube(&threemf(&[("3D/a.model", &text)]), format, "one");
+    let centimetres = model("centimeter", &cube, "<item objectid=\"1\"/>");
+    let file = read_bytes(&threemf(&[("3D/a.model", &centimetres)]), format).unwrap();
+    assert_eq!(file.mesh.volume(), 1000.0);
+    assert_eq!(file.notes, ["converted to millimetres: 1, the first at the unit centimeter"]);
+    // A component that is moved in an item that is mirrored, beside a plain one, from another part.
+    let resources = "<object id=\"2\"><components><component objectid=\"1\" p:path=\"/3D/b.model\" \
+                     transform=\"2 0 0 0 1 0 0 0 1 5 0 0\"/></components></object>";
+    let build = "<item objectid=\"2\" transform=\"-1 0 0 0 1 0 0 0 1 0 0 3\"/>\
+                 <item objectid=\"2\"/>";
+    let parts = [
+        ("3D/a.model", model("millimeter", resources, build)),
+        ("3D/b.model", model("inch", &cube, "")),
+    ];
+    let parts = parts.each_ref().map(|(name, text)| (*name, &text[..]));
+    let file = read_bytes(&threemf(&parts), format).unwrap();
+    let inch = 25.4f64;
+    assert!((file.mesh.volume() - 4.0 * inch.powi(3)).abs() < 1e-9, "{}", file.mesh.volume());
+    let [low, high] = file.mesh.bounding_box().unwrap();
+    let right = [-5.0 - 2.0 * inch, 0.0, 0.0].into_iter().zip(low);
+    assert!(
+        right
+            .chain([5.0 + 2.0 * inch, inch, inch + 3.0].into_iter().zip(high))
+            .all(|(a, b)| { (a - b).abs() < 1e-12 })
+    );
+    // Objects within themselves, and millions of them.
+    let own = "<object id=\"1\"><components><component objectid=\"1\"/></components></object>";
+    let mut many = String::from("<object id=\"0\"/>");
+    for i in 1..40 {
+        let inner = format!("<component objectid=\"{}\"/>", i - 1);
+        many += &format!("<object id=\"{i}\"><components>{inner}{inner}</components></object>");
+    }
+    for (resources, build, what) in [
+        (own, "<item objectid=\"1\"/>", "components within components"),
+        (&many[..], "<item objectid=\"39\"/>", "of memory"),
+        (&cube[..], "<item objectid=\"7\"/>", "object 7 does not exist"),
+        (&cube[..], "", "no items"),
+        ("<object id=\"1\"><mesh><vertex x=\"1\" y=\"2\"/></mesh></object>", "", "attribute z"),
+    ] {
+        let text = model("meter", resources, build);
+        let found = refused(&threemf(&[("3D/a.model", &text)]), format);
+        assert!(found.contains(what), "{what}: {found}");
+    }
+    let found = refused(&threemf(&[("a", &model("mile", "", ""))]), format);
+    assert!(found.contains("unknown unit \"mile\""), "{found}");
+    let bytes = threemf(&[("3D/a.model", &text)]);
+    beginnings_are_refused(&bytes, bytes.len() - 1, format, "archive");
+}
+
+/// Returns a mesh with all attributes of vertices.
+fn with_attributes() -> MeshFile {
+    let mesh = families::icosphere(2).unwrap();
+    let of = |f: fn(&[f64; 3]) -> f64| mesh.vertices().iter().map(f).collect::<Vec<f64>>();
+    let (height, mut wave) = (of(|p| p[2]), of(|p| (3.0 * p[0]).sin()));
+    wave[4] = f64::NAN;
+    let uv = mesh.vertices().iter().map(|p| [p[0], 1e-3 * p[1]]).collect();
+    let colors = mesh.vertices().iter().map(|p| [p[0].abs(), 0.25, 1.0, 0.5]).collect();
+    let normals = mesh.vertices().to_vec();
+    let mut file = MeshFile::from(mesh);
+    file.uv = Some(Attribute { values: uv, corners: None });
+    file.colors = Some(colors);
+    file.normals = Some(Attribute { values: normals, corners: None });
+    file.scalars = vec![
+        Scalars { name: "height".into(), values: height },
+        Scalars { name: "a wave, 100 % \"<&>\"".into(), values: wave },
+    ];
+    file
+}
+
+/// Compares the bits of numbers, in which NaN is itself.
+fn same(a: &[Scalars], b: &[Scalars]) -> bool {
+    let bits = |s: &Scalars| s.values.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.name == b.name && bits(a) == bits(b))
+}
+
+#[test]
+fn what_vtk_gifti_and_3mf_store_comes_back() {
+    let file = with_attributes();
+    for encoding in [VtkEncoding::Ascii, VtkEncoding::Binary] {
+        let (bytes, notes) = write_bytes(&file, MeshFormat::Vtk(encoding)).unwrap();
+        let back = read_bytes(&bytes, VTK).unwrap();
+        assert!(same(&back.scalars, &file.scalars), "{encoding:?}");
+        assert_eq!((&back.mesh, &back.uv), (&file.mesh, &file.uv), "{encoding:?}");
+        assert_eq!(back.normals, file.normals, "{encoding:?}");
+        if encoding == VtkEncoding::Ascii {
+            assert_eq!((&back.colors, notes.len()), (&file.colors, 0));
+        } else {
+            assert_eq!(notes, ["rounded colours to 256 levels from 0 to 1"]);
+            let rounded = |x: f64| (255.0 * x).round() / 255.0;
+            let expected = file.colors.as_ref().unwrap().iter().map(|c| c.map(rounded));
+            assert_eq!(back.colors.unwrap(), expected.collect::<Vec<_>>());
+        }
+    }
+    let (bytes, notes) = write_bytes(&file, MeshFormat::Gifti).unwrap();
+    assert_eq!(notes[0], "this format can't store texture coordinates, colours");
+    assert!(notes.iter().any(|note| note == "rounded scalars to single precision"), "{notes:?}");
+    let back = read_bytes(&bytes, MeshFormat::Gifti).unwrap();
+    assert_eq!(
+        (back.mesh.faces(), &back.scalars[1].name),
+        (file.mesh.faces(), &file.scalars[1].name)
+    );
+    for (a, b) in back.scalars.iter().zip(&file.scalars) {
+        let close = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-7 || (a.is_nan() && b.is_nan());
+        assert!(a.values.iter().zip(&b.values).all(close));
+    }
+    // Single precision comes back as it is.
+    let (again, _) = write_bytes(&back, MeshFormat::Gifti).unwrap();
+    assert_eq!(again, bytes);
+    let (bytes, notes) = write_bytes(&file, MeshFormat::ThreeMf).unwrap();
+    let lost = "this format can't store texture coordinates, normals, colours, scalars";
+    assert_eq!(notes, [lost]);
+    assert_eq!(read_bytes(&bytes, MeshFormat::ThreeMf).unwrap().mesh, file.mesh);
+    // A mesh without vertices.
+    let nothing = MeshFile::from(TriMesh::new(vec![], vec![]).unwrap());
+    for format in
+        [VTK, MeshFormat::Vtk(VtkEncoding::Binary), MeshFormat::Gifti, MeshFormat::ThreeMf]
+    {
+        let (bytes, _) = write_bytes(&nothing, format).unwrap();
+        assert_eq!(read_bytes(&bytes, format).unwrap().mesh, nothing.mesh, "{format:?}");
+    }
+}
+
+#[test]
+fn names_and_content_decide_between_the_formats() {
+    let folder = Folder::new();
+    let mut file = with_attributes();
+    file.scalars.truncate(1);
+    for name in ["a.vtk", "b.gii", "c.3mf", "d.vtk.gz", "e.gii.gz"] {
+        let path = folder.path(name);
+        write(create(&path), &file).unwrap();
+        assert_eq!(read(&path).unwrap().mesh.faces(), file.mesh.faces(), "{name}");
+        // Under another name, the content decides.
+        let other = folder.path(&format!("{}.obj", &name[..1]));
+        fs::copy(&path, &other).unwrap();
+        let back = read(&other).unwrap();
+        assert_eq!(back.mesh.faces(), file.mesh.faces(), "{name}");
+        assert!(back.notes.iter().any(|note| note.contains("format of its content")), "{name}");
+    }
+    for name in ["a.vtp", "a.vtu", "lh.white", "a.msh"] {
+        let refused = write(create(&folder.path(name)), &file).unwrap_err().to_string();
+        assert!(refused.contains("can only be read"), "{refused}");
+    }
+}
+
+#[test]
+fn scalars_follow_the_vertices() {
+    let mut file = with_attributes();
+    file.scalars.truncate(1);
+    let is_height = |file: &MeshFile, within: f64| {
+        let values = file.scalars[0].values.iter();
+        assert_eq!(values.len(), file.mesh.vertices().len());
+        assert!(values.zip(file.mesh.vertices()).all(|(z, p)| (z - p[2]).abs() <= within));
+    };
+    let part = file.part(file.mesh.submesh(&[3, 80, 200]).unwrap()).unwrap();
+    is_height(&part, 0.0);
+    is_height(&file.refined(&Refined::new(file.mesh.clone())).unwrap(), 0.0);
+    let fewer = decimate(&file.mesh, 60, &DecimateOptions::new()).unwrap().carry(&file).unwrap();
+    is_height(&fewer, 0.2);
+    file.scalars[0].values.pop();
+    assert!(write_bytes(&file, VTK).unwrap_err().to_string().contains("scalars"));
+}
+
+#[test]
+fn files_with_any_byte_changed_are_read_or_refused() {
+    let mut small = MeshFile::from(families::icosphere(0).unwrap());
+    let values = (0..12).map(f64::from).collect();
+    small.scalars = vec![Scalars { name: "n".into(), values }];
+    let written = |format: MeshFormat| (write_bytes(&small, format).unwrap().0, format);
+    let files = [
+        (msh(2, true), MeshFormat::Gmsh),
+        (msh(4, true), MeshFormat::Gmsh),
+        (msh(4, false), MeshFormat::Gmsh),
+        (vtp("raw", true, false), MeshFormat::VtkXml),
+        (vtp("base64", false, true), MeshFormat::VtkXml),
+        written(MeshFormat::Gifti),
+        written(MeshFormat::ThreeMf),
+        written(VTK),
+        written(MeshFormat::Vtk(VtkEncoding::Binary)),
+    ];
+    for (bytes, format) in files {
+        for at in 0..bytes.len() {
+            for to in [0, 0xff, b'9'] {
+                let mut changed = bytes.clone();
+                changed[at] = to;
+                if let Ok(file) = read_bytes(&changed, format) {
+                    std::hint::black_box(file.mesh.validate());
+                }
+            }
+        }
+    }
+}

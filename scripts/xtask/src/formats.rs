@@ -1,0 +1,46 @@
+//! `docs/guide/mesh-files.md`: the formats of mesh files, from the table of the library.
+
+use std::path::Path;
+
+use crate::generated::Generated;
+
+/// `docs/guide/mesh-files.md`.
+pub const FORMATS: Generated = Generated {
+    name: "docs/guide/mesh-files.md",
+    source: "the table of formats in geometry/src/mesh/io/formats.rs",
+    command: "cargo xtask options",
+    generate,
+};
+
+const INTRODUCTION: &str = "\
+# Formats of mesh files
+
+Written by `cargo xtask options` from the table in geometry/src/mesh/io/formats.rs. Every command
+and every function that takes a mesh file reads all of these formats, also with `.gz` or `.xz` after
+the ending, and writes those that are not marked \"read only\", also with `.gz`. The content of a
+file decides its format; the ending is a hint.
+
+| Format | Endings | Coordinates | Beside positions and faces |
+|---|---|---|---|
+";
+
+const READERS: &str = "
+What a reader leaves out or reads differently is a note with a count: on stderr, in
+`cata_mesh_file_notes` of C, as a warning in Python. A reader needs positions and faces:
+
+- A line, an element or bytes that a format does not know, or that follow what the header
+  announces, are left out.
+- Texture coordinates and normals that a file names and lacks are left out.
+- A vertex whose position is not finite is left out if it is in no face.
+- Where the header of a binary STL file has no number of facets, or one that is too small, the size
+  of the file decides.
+- Text may be in UTF-8, Latin-1 or UTF-16, and its lines may end in any way.
+
+A file that ends too early, a face with a vertex that is not there, and a file of zero bytes are
+errors. An error about a file that holds no mesh says what the file seems to be.
+";
+
+fn generate(_: &Path) -> Result<String, String> {
+    let rows = catamaran_geometry::mesh::io::rows_of_guide();
+    Ok(format!("{INTRODUCTION}{rows}{READERS}"))
+}
