@@ -81,8 +81,7 @@ impl FileFormat {
     }
 
     /// Opens a file, and returns its format: the one that is given, or else the one that its name
-    /// ends in, or else that of its content. A name that ends in no packing leaves that to the
-    /// content, too.
+    /// ends in, or else that of its content.
     pub(super) fn open<'a>(
         path: &Path,
         given: Option<Self>,
@@ -90,11 +89,7 @@ impl FileFormat {
     ) -> Result<(Source<'a>, Self)> {
         let named = Self::of_name(path);
         let (_, packing) = Packing::of(&lower_name(path));
-        let of_content = |head: &[u8]| match packing {
-            Packing::None => Packing::of_content(head),
-            packing => packing,
-        };
-        let mut source = Source::open_packed(path, of_content, options)?;
+        let mut source = Source::open(path, packing, options)?;
         let format = match given.or(named.map(|(format, _)| format)) {
             Some(format) => format,
             None => {
@@ -287,8 +282,8 @@ pub(super) fn without_hdf5(path: &Path) -> Error {
 /// Returns the error for a columnar file in a program without the feature.
 #[cfg(not(feature = "columnar"))]
 pub(super) fn without_columnar(path: &Path) -> Error {
-    let what = "Parquet and Arrow files are not part of this program: build it with --features \
-                columnar";
+    let what = "Parquet, Arrow and .zst files are not part of this program: build it with \
+                --features columnar";
     error(path, None, what)
 }
 

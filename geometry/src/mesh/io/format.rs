@@ -61,7 +61,7 @@ impl MeshFormat {
     /// [`Error::Io`] for a name that implies no format.
     pub fn of(path: &Path) -> Result<Self> {
         let what = "unknown kind of mesh: the name must end in .obj, .ply, .off, .stl, .glb or \
-                    .gltf, and may have .gz or (for reading) .xz after it";
+                    .gltf, and may have .gz or (for reading) .xz, .zst or .zip after it";
         Self::named(path).0.ok_or_else(|| Error::file(path, what))
     }
 
