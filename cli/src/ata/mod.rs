@@ -709,14 +709,13 @@ impl Work<'_> {
     fn outline(&self, plan: &StreamPlan, options: &AtaOptions<'_>) -> Result<()> {
         let scheme = plan.product().map_or_else(|| "strips of C".into(), Plan::scheme);
         let kernels = plan.product().and_then(Plan::isa).unwrap_or(options.backend.name());
-        let threads = options.par.threads();
+        let (threads, said) = used_threads(plan, options);
         status!(
             "plan",
             scheme = scheme,
             kernels = kernels,
             threads = threads;
-            "{scheme}, by {kernels}, {threads} threads{}; --explain prints all of it",
-            pinned(options)
+            "{scheme}, by {kernels}, {said}; --explain prints all of it"
         )
     }
 
@@ -726,13 +725,13 @@ impl Work<'_> {
         if self.args.verify {
             text += "check      one more read of A\n";
         }
-        let (threads, pinned) = (options.par.threads(), pinned(options));
+        let (threads, said) = used_threads(plan, options);
         let is_exact = plan.product().is_some_and(|plan| plan.is_exact());
         // The exact path uses no back end.
         let backend = (!is_exact).then(|| options.backend.name());
         text += &match backend {
-            None => format!("threads    {threads}{pinned}"),
-            Some(name) => format!("back end   {name}, {threads} threads{pinned}"),
+            None => format!("threads    {threads}{}", pinned(options)),
+            Some(name) => format!("back end   {name}, {said}"),
         };
         report!(
             "plan",
@@ -744,11 +743,21 @@ impl Work<'_> {
             bytes = plan.bytes(),
             backend = backend,
             threads = threads,
-            pinned = !pinned.is_empty();
+            pinned = said.ends_with("pinned");
             "{}",
             text.replace('\n', "\n            ")
         )
     }
+}
+
+/// Returns the threads that products take, and what a report says of them.
+fn used_threads(plan: &StreamPlan, options: &AtaOptions<'_>) -> (usize, String) {
+    let (threads, pinned) = match plan.product().is_some_and(Plan::is_direct) {
+        true => (1, ""),
+        false => (options.par.threads(), pinned(options)),
+    };
+    let s = if threads == 1 { "" } else { "s" };
+    (threads, format!("{threads} thread{s}{pinned}"))
 }
 
 /// Returns what `--explain` prints after the number of threads.
