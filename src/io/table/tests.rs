@@ -274,6 +274,29 @@ fn other_notations_are_read_when_the_file_decides() {
 }
 
 #[test]
+fn words_before_decimal_commas_are_divided_by_their_quotes_or_an_option() {
+    let rows: &[&[f64]] = &[&[1.5], &[2.25], &[3.5]];
+    for separator in ["|", " ", ";", "\t"] {
+        let lines = [("a", "1,5"), ("b", "2,25"), ("c", "3,5")]
+            .map(|(word, number)| format!("\"{word}\"{separator}{number}\n"));
+        let reading = check("\"x\"\n".to_owned() + &lines.concat(), &auto(), rows, &["x"]);
+        assert!(reading.index && reading.decimal == ',', "{reading}");
+    }
+    let by = |separator: char| options(TableOptions::new().separator(Separator::from(separator)));
+    for (text, other) in [("x\na|1,5\nb|2,25\n", '|'), ("x\na 1,5\nb 2,25\n", ' ')] {
+        refused(text, &auto(), 2, &["between commas, or between b", "`separator`", "`decimal`"]);
+        let commas = options(TableOptions::new().decimal(','));
+        for options in [&commas, &by(other)] {
+            check(text, options, &[&[1.5], &[2.25]], &["x"]);
+        }
+        check(text, &by(','), &[&[5.0], &[25.0]], &["x"]);
+    }
+    refused("Route 66,5\nRoute 7,8\n", &auto(), 1, &["`separator`"]);
+    let named = "n,x\nRoute 66,5\nRoute 7,8\n";
+    assert_eq!(check(named, &auto(), &[&[5.0], &[8.0]], &["x"]).left_out, ["n"]);
+}
+
+#[test]
 fn separators_and_comments_of_every_kind_are_read() {
     let names = &["a", "b"][..];
     for text in [
