@@ -282,8 +282,8 @@ pub(super) fn without_hdf5(path: &Path) -> Error {
 /// Returns the error for a columnar file in a program without the feature.
 #[cfg(not(feature = "columnar"))]
 pub(super) fn without_columnar(path: &Path) -> Error {
-    let what = "Parquet, Arrow and .zst files are not part of this program: build it with \
-                --features columnar";
+    let what = "Parquet and Arrow files are not part of this program: build it with --features \
+                columnar";
     error(path, None, what)
 }
 

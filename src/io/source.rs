@@ -4,8 +4,6 @@ use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use super::limits::{LARGER_MAX_MEMORY, SourceOptions, check_memory, longest_line, memory_limit};
-#[cfg(not(feature = "columnar"))]
-use super::names::without_columnar;
 use super::packing::{Packing, TRUNCATED};
 #[cfg(feature = "columnar")]
 use super::zstd;
@@ -79,9 +77,13 @@ impl<'a> Source<'a> {
             Packing::Xz => limited(Box::new(xz::Unpacker::new(raw))),
             #[cfg(feature = "columnar")]
             Packing::Zstd => limited(Box::new(zstd::Unpacker::new(raw, memory))),
+            // Refused above.
             #[cfg(not(feature = "columnar"))]
-            Packing::Zstd => return Err(without_columnar(path)),
-            Packing::Zip => limited(Box::new(zipped::Unpacker::open(path, raw)?)),
+            Packing::Zstd => Box::new(raw),
+            Packing::Zip => {
+                let inner = zipped::Unpacker::open(path, raw);
+                limited(Box::new(inner.map_err(|e| error_at(path, None, e))?))
+            }
         };
         // The size of a pipe reads as 0.
         let size = (packing == Packing::None && size > 0).then_some(size);

@@ -5,13 +5,12 @@ use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
 use flate2::bufread::DeflateDecoder;
+use zip::result::ZipError;
 use zip::{CompressionMethod, ZipArchive};
 
 use super::columns::listed;
 use super::gzip;
 use super::packing::damaged;
-use super::source::{error, error_at};
-use crate::base::Result;
 
 /// A file being unpacked.
 pub(super) struct Unpacker<'a> {
@@ -37,10 +36,9 @@ impl<'a> Unpacker<'a> {
     /// # Errors
     /// An archive that is damaged or in a pipe, or does not have one file; a file that is encrypted
     /// or packed by another method than deflate.
-    pub(super) fn open(path: &Path, mut archive: impl BufRead + 'a) -> Result<Self> {
+    pub(super) fn open(path: &Path, mut archive: impl BufRead + 'a) -> io::Result<Self> {
         let member = Member::find(path)?;
-        io::copy(&mut (&mut archive).take(member.start), &mut io::sink())
-            .map_err(|e| error_at(path, None, e))?;
+        io::copy(&mut (&mut archive).take(member.start), &mut io::sink())?;
         let packed = archive.take(member.packed);
         let inner: Box<dyn Read + 'a> = match member.is_deflated {
             true => Box::new(DeflateDecoder::new(packed)),
@@ -51,15 +49,15 @@ impl<'a> Unpacker<'a> {
 }
 
 impl Member {
-    fn find(path: &Path) -> Result<Self> {
-        let fail = |what: String| error(path, None, what);
-        let broken = |e: zip::result::ZipError| fail(format!("damaged .zip file: {e}"));
+    fn find(path: &Path) -> io::Result<Self> {
+        let fail = |what: &str| io::Error::other(what);
+        let broken = |e: ZipError| io::Error::other(format!("damaged .zip file: {e}"));
         if !path.is_file() {
             let what = "a zip archive in a pipe, which has the list of its files at its end: give \
                         the file";
-            return Err(fail(what.into()));
+            return Err(fail(what));
         }
-        let file = File::open(path).map_err(|e| error_at(path, None, e))?;
+        let file = File::open(path)?;
         let mut archive = ZipArchive::new(BufReader::new(file)).map_err(broken)?;
         let mut found = Vec::new();
         for (number, name) in archive.file_names().enumerate() {
@@ -71,25 +69,25 @@ impl Member {
         }
         let number = match &found[..] {
             [(number, _)] => *number,
-            [] => return Err(fail("a zip archive without a file".into())),
+            [] => return Err(fail("a zip archive without a file")),
             several => {
                 let (count, names) = (several.len(), several.iter().map(|(_, name)| name));
                 let names = listed(&names.collect::<Vec<_>>());
                 let what = format!("a zip archive of {count} files, not of one: {names}");
-                return Err(fail(format!("{what}; unpack it first")));
+                return Err(fail(&format!("{what}; unpack it first")));
             }
         };
         let entry = archive.by_index_raw(number).map_err(broken)?;
         let is_deflated = match entry.compression() {
-            _ if entry.encrypted() => return Err(fail("an encrypted zip archive".into())),
+            _ if entry.encrypted() => return Err(fail("an encrypted zip archive")),
             CompressionMethod::Stored => false,
             CompressionMethod::Deflated => true,
             other => {
                 let what = "a zip archive whose file is packed by";
-                return Err(fail(format!("{what} {other}, which is not read; deflate is")));
+                return Err(fail(&format!("{what} {other}, which is not read; deflate is")));
             }
         };
-        let start = entry.data_start().ok_or_else(|| fail("damaged .zip file".into()))?;
+        let start = entry.data_start().ok_or_else(|| damaged(".zip"))?;
         let (packed, size, check) = (entry.compressed_size(), entry.size(), entry.crc32());
         Ok(Self { start, packed, is_deflated, size, check })
     }
@@ -140,7 +138,7 @@ mod tests {
         path
     }
 
-    fn unpacked(path: &Path) -> std::result::Result<String, String> {
+    fn unpacked(path: &Path) -> Result<String, String> {
         let file = BufReader::new(File::open(path).unwrap());
         let mut text = String::new();
         let mut unpacker = Unpacker::open(path, file).map_err(|e| e.to_string())?;
@@ -167,7 +165,7 @@ mod tests {
         let several = refused(&["a.csv", "b/c.csv"]);
         assert!(several.contains("archive of 2 files, not of one: a.csv, b/c.csv"), "{several}");
         let none = refused(&["b/"]);
-        assert!(none.ends_with("a.zip: a zip archive without a file"), "{none}");
+        assert!(none.ends_with("a zip archive without a file"), "{none}");
     }
 
     #[test]
