@@ -40,7 +40,7 @@ impl<R: BufRead> Unpacker<R> {
             let Self { packed, decoder, .. } = &mut *self;
             if !decoder.is_finished() {
                 let one = BlockDecodingStrategy::UptoBlocks(1);
-                // The crate is safe code, which may panic on unexpected input.
+                // The crate may panic on unexpected input.
                 let decoded = catch_unwind(AssertUnwindSafe(|| decoder.decode_blocks(packed, one)));
                 if !matches!(decoded, Ok(Ok(_))) {
                     return Err(self.fault());

@@ -99,9 +99,9 @@ fn has_quotes_below_header(text: &[u8]) -> bool {
 const MARGIN: f64 = 1e-9;
 
 /// Returns how well a separator divides the rows, from 0 to 3.5: the share of rows of the usual
-/// width whose first field ends with its quotes, the share of fields that are numbers or missing, up to 1 if there are several fields, and
-/// a half if the first row, which may be a header, has as many, or one less but several: names of
-/// rows may have none. Numbers in the first row break ties.
+/// width whose first field ends with its quotes, the share of fields that are numbers or missing,
+/// up to 1 if there are several fields, and a half if the first row, which may be a header, has as
+/// many, or one less but several: names of rows may have none. Numbers in the first row break ties.
 fn score(sample: &Sample, missing: &MissingWords, is_given: bool) -> f64 {
     let rows = &sample.rows;
     if rows.is_empty() {
