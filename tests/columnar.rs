@@ -493,6 +493,26 @@ fn arrow_files_that_contradict_themselves_are_refused() {
 }
 
 #[test]
+fn more_rows_than_a_file_of_this_size_can_have_are_refused_before_they_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.arrow");
+    let options = options(TableOptions::new().missing(Missing::Nan));
+    // A column of nulls takes no bytes, whatever the number of rows.
+    let mut bytes = fs::read(file("nulls.arrow")).unwrap();
+    fs::write(&path, &bytes).unwrap();
+    let nulls = doubles(&read_file(&path, &options).unwrap());
+    assert!(nulls.nrows() == 12345 && nulls.col(0).iter().all(|x| x.is_nan()));
+    let places = 0..bytes.len() - 8;
+    for at in places.filter(|&at| bytes[at..at + 8] == 12345_i64.to_le_bytes()).collect::<Vec<_>>()
+    {
+        bytes[at..at + 8].copy_from_slice(&(1_i64 << 60).to_le_bytes());
+    }
+    fs::write(&path, &bytes).unwrap();
+    let refused = TableFile::open(&path, &options).unwrap_err().to_string();
+    assert!(refused.contains("a.arrow: announces 1152921504606846976 rows"), "{refused}");
+}
+
+#[test]
 fn a_group_that_changes_between_its_blocks_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.parquet");

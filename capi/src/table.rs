@@ -120,9 +120,9 @@ pub unsafe extern "C" fn cata_table_params_init(
     unsafe { init(params, struct_size) }
 }
 
-/// Reads the matrix in a file, whose `path` is in UTF-8: a text table (also as .gz or .xz), .npy,
-/// an array of .npz (`FILE.npz:NAME`), or .mtx without coordinates. A column of words is left out
-/// unless it is a factor. Errors name the file, the line and the column.
+/// Reads the matrix in a file, whose `path` is in UTF-8: a text table or .npy, each also packed
+/// (.gz, .xz, .zip), an array of .npz (`FILE.npz:NAME`), or .mtx without coordinates. A column of
+/// words is left out unless it is a factor. Errors name the file, the line and the column.
 ///
 /// # Safety
 /// The pointers are as described.

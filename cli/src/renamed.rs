@@ -1,10 +1,11 @@
-//! Options that earlier versions called otherwise: the error of an old name says the new one. The
-//! nearest name, which clap suggests, is that of another option.
+//! Unexpected arguments. Options that earlier versions called otherwise: the error of an old name
+//! says the new one. The nearest name, which clap suggests, is that of another option. A number
+//! without its option: the error says the option.
 
 use std::ffi::OsString;
 
-use clap::Command;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::{Arg, Command};
 
 /// A command ([`ALL`] for every command), the old name of one of its options, and the name now.
 const RENAMED: [(&str, &str, &str); 10] = [
@@ -22,20 +23,22 @@ const RENAMED: [(&str, &str, &str); 10] = [
 
 const ALL: &str = "";
 
-/// Returns the error of a command line, with the new name where it has an old one.
+/// Returns the error of a command line, with the new name where it has an old one, and with the
+/// option where it has a number only.
 pub fn explained(error: clap::Error, program: &Command, words: &[OsString]) -> clap::Error {
-    let command = words
+    let inner = words
         .iter()
         .skip(1)
-        .find_map(|word| program.find_subcommand(word))
-        .map_or(ALL, |command| command.get_name());
+        .fold(program, |outer, word| outer.find_subcommand(word).unwrap_or(outer));
+    let command = inner.get_name();
     let Some(ContextValue::String(wrong)) = error.get(ContextKind::InvalidArg) else {
         return error;
     };
     let what = match error.kind() {
         ErrorKind::UnknownArgument => new_name(command, wrong)
             .map(|new| format!("unexpected argument '{wrong}' found: its name is '{new}' now"))
-            .or_else(|| names_state(command, wrong, words).then(state_of_resume)),
+            .or_else(|| names_state(command, wrong, words).then(state_of_resume))
+            .or_else(|| number_of_option(inner, wrong, words)),
         ErrorKind::TooManyValues if command == "slime" && wrong == "--resume" => {
             Some(state_of_resume())
         }
@@ -53,6 +56,19 @@ fn new_name(command: &str, old: &str) -> Option<String> {
         .iter()
         .find(|(owner, name, _)| *name == old && (*owner == command || *owner == ALL));
     found.map(|(_, _, new)| format!("--{new}"))
+}
+
+/// Returns what is wrong with a whole number where the command has an option of one letter only,
+/// such as -n, which takes one and is not given.
+fn number_of_option(command: &Command, argument: &str, words: &[OsString]) -> Option<String> {
+    argument.parse::<u64>().ok()?;
+    let is_only = |arg: &&Arg| arg.get_long().is_none() && arg.get_action().takes_values();
+    let short = command.get_arguments().filter(is_only).find_map(Arg::get_short)?;
+    let option = format!("-{short}");
+    let is_given = words.iter().any(|word| word.to_string_lossy().starts_with(&option));
+    (!is_given).then(|| {
+        format!("unexpected argument '{argument}' found: '{option} {argument}' gives the number")
+    })
 }
 
 /// Returns whether an unexpected argument is the file that `slime --resume` once took.
@@ -110,6 +126,30 @@ mod tests {
             let message = message(&format!("catamaran {line}"));
             assert!(message.starts_with("error: '--resume' takes no file"), "{message}");
             assert!(message.contains("'--state <FILE>'"), "{message}");
+        }
+    }
+
+    #[test]
+    fn a_number_alone_belongs_to_the_option_of_one_letter() {
+        for (line, option) in [
+            ("decimate a.obj", "-n"),
+            ("decimate a.obj -o b.obj", "-n"),
+            ("farthest a.obj", "-n"),
+            ("spectrum a.obj", "-k"),
+            ("basis a.obj", "-k"),
+            ("filter a.obj", "-k"),
+            ("descriptors a.obj", "-k"),
+            ("transfer a.obj b.obj", "-k"),
+            ("pca a.csv", "-k"),
+            ("unions shape a.obj", "-k"),
+        ] {
+            let message = message(&format!("catamaran {line} 20"));
+            let wanted = format!("error: unexpected argument '20' found: '{option} 20' gives");
+            assert!(message.starts_with(&wanted), "{line}: {message}");
+        }
+        for line in ["decimate a.obj -n 30 20", "decimate a.obj b.obj", "ata a.csv 20"] {
+            let message = message(&format!("catamaran {line}"));
+            assert!(message.contains("' found\n"), "{line}: {message}");
         }
     }
 

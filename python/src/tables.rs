@@ -16,11 +16,19 @@ use crate::options::{Threads, arguments, par, word};
 use crate::sparse::parts;
 use crate::task::{Length, run};
 
+/// The columns that are read.
+#[derive(FromPyObject)]
+enum Chosen {
+    /// As the command line takes them.
+    Text(String),
+    /// Names, and numbers as text.
+    List(Vec<String>),
+}
+
 arguments! {
     /// How a file is read, as a dictionary.
     pub struct TableArguments {
-        /// Names, and numbers or ranges as text.
-        columns: Option<Vec<String>>,
+        columns: Option<Chosen>,
         separator: Option<char>,
         decimal: Option<char>,
         thousands: Option<char>,
@@ -58,12 +66,17 @@ impl TableArguments {
             .words(if self.words { Words::Factor } else { Words::LeaveOut })
             .factors(self.factors)
             .par(par(self.threads)?);
+        let columns = match self.columns {
+            None => Columns::ALL,
+            Some(Chosen::Text(text)) => Columns::parse(&text),
+            Some(Chosen::List(items)) => Columns::list(items),
+        };
         let format = match &self.format {
             Some(name) => Some(word("format", name, &FileFormat::NAMES)?),
             None => None,
         };
         Ok(ReadOptions::new()
-            .columns(self.columns.map_or(Columns::ALL, Columns::list))
+            .columns(columns)
             .format(format)
             .table(table)
             .max_memory(self.max_memory))

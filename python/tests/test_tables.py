@@ -26,10 +26,11 @@ def test_numbers_names_and_what_was_decided(tmp_path):
     with pytest.warns(UserWarning):
         named = catamaran.read(path, factors=["ort"], columns=["x", "ort"])
     assert named.levels == {1: ["Bonn", "Ulm"]}
-    with pytest.warns(UserWarning):
-        assert catamaran.read(path, factors=["none"]).levels == {}
-    with pytest.warns(UserWarning):
-        assert catamaran.read(path, factors="ort", columns=["x", "ort"]).levels == named.levels
+    with pytest.raises(ValueError, match="factors: no column none is read"):
+        catamaran.read(path, factors=["none"])
+    for text in ["ort", "ort, y", "0,1"]:
+        with pytest.warns(UserWarning):
+            assert catamaran.read(path, factors=text, columns="x,ort,y").levels == named.levels
     # Tables are equal only to themselves, and can be keys.
     assert table == table and table != named and len({table, named}) == 2
 
@@ -54,8 +55,12 @@ def test_factors_of_a_table_go_into_least_squares(tmp_path):
 
 def test_columns_are_numbers_names_ranges_or_lists(tmp_path):
     path = write(tmp_path, "x,y,z\n1,2,3\n4,5,7\n")
-    for columns in ["z", 2, ["z"], [2], range(2, 3)]:
+    for columns in ["z", 2, ["z"], [2], range(2, 3), "2", "2..3"]:
         assert catamaran.read(path, columns=columns).values.ravel().tolist() == [3, 7]
+    for columns in [["z", "x"], "z,x", "2, 0"]:
+        assert catamaran.read(path, columns=columns).values.tolist() == [[3, 1], [7, 4]]
+    with pytest.raises(ValueError, match="0..3 ends with z, 0..2 before it"):
+        catamaran.read(path, columns="x..z")
     with pytest.raises(ValueError, match="no column q"):
         catamaran.read(path, columns="q")
 

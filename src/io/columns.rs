@@ -29,6 +29,8 @@ enum Kept {
     All,
     Range(Range<usize>),
     List(Vec<String>),
+    /// A list between commas, or a name that has commas.
+    Text(String),
 }
 
 impl From<Range<usize>> for Columns {
@@ -48,12 +50,16 @@ impl Columns {
     pub const ALL: Self = Self(Kept::All);
 
     /// Returns the columns of a list, in its order: names in the header, or else numbers and ranges
-    /// `FIRST..END`, counted from 0 over all columns of the file. Commas separate them.
+    /// `FIRST..END` without END, counted from 0 over all columns of the file. Commas separate them;
+    /// the list may also be one name that has commas.
+    ///
+    /// The ends of a range are no names: where columns are called so and have other numbers, the
+    /// range is an error.
     pub fn parse(list: &str) -> Self {
-        Self::list(list.split(',').map(|item| item.trim().to_owned()).collect())
+        Self(Kept::Text(list.to_owned()))
     }
 
-    /// Returns the columns of a list as [`Columns::parse`] does, of names that may have commas.
+    /// Returns the columns of a list as [`Columns::parse`] does, each of which may have commas.
     pub fn list(items: Vec<String>) -> Self {
         Self(Kept::List(items))
     }
@@ -71,22 +77,24 @@ impl Columns {
     /// Returns the columns, of `ncols`, that a reader keeps: all for a list, of which
     /// [`Matrix::select`](super::Matrix) takes the columns afterwards.
     pub(super) fn range(&self, ncols: usize) -> Result<Range<usize>> {
-        match &self.0 {
-            Kept::All | Kept::List(_) => Ok(0..ncols),
-            Kept::Range(range) => checked_columns(Some(range), ncols),
-        }
+        checked_columns(self.as_range().as_ref(), ncols)
     }
 
     /// Returns whether the columns are those of a list.
     pub(super) fn is_list(&self) -> bool {
-        matches!(self.0, Kept::List(_))
+        !self.is_all() && self.as_range().is_none()
     }
 
     /// Returns the first column that a reader keeps.
     pub(super) fn first(&self) -> usize {
+        self.as_range().map_or(0, |range| range.start)
+    }
+
+    fn as_range(&self) -> Option<Range<usize>> {
         match &self.0 {
-            Kept::All | Kept::List(_) => 0,
-            Kept::Range(range) => range.start,
+            Kept::All | Kept::List(_) => None,
+            Kept::Range(range) => Some(range.clone()),
+            Kept::Text(text) => bounds(text),
         }
     }
 
@@ -103,25 +111,43 @@ impl Columns {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Argument`] for a column that does not exist, a name that two columns have, and a
-    /// column that is named twice.
+    /// [`Error::Argument`] for a column that does not exist, a name that two columns have, a column
+    /// that is named twice, a range between names, and a text that is a name and a list.
     pub fn of(&self, names: &[String], ncols: usize) -> Result<Vec<usize>> {
-        let items = match &self.0 {
-            Kept::All => return Ok((0..ncols).collect()),
-            Kept::Range(range) => return Ok(checked_columns(Some(range), ncols)?.collect()),
-            Kept::List(items) => items,
-        };
-        let mut found = Vec::new();
-        for item in items {
-            for column in one(item, names, ncols)? {
-                if found.contains(&column) {
-                    return refuse(format!("column {item} is named twice"));
+        match &self.0 {
+            Kept::All => Ok((0..ncols).collect()),
+            Kept::Range(range) => Ok(checked_columns(Some(range), ncols)?.collect()),
+            Kept::List(items) => each(items.iter().map(String::as_str), names, ncols),
+            Kept::Text(text) => {
+                let listed = each(text.split(',').map(str::trim), names, ncols);
+                match (listed, one(text, names, ncols)) {
+                    (Err(_), Ok(whole)) => Ok(whole.collect()),
+                    (Ok(_), Ok(_)) if text.contains(',') => {
+                        refuse(format!("{text} is a column and a list of columns: give numbers"))
+                    }
+                    (listed, _) => listed,
                 }
-                found.push(column);
             }
         }
-        Ok(found)
     }
+}
+
+/// Returns the columns of the items of a list.
+fn each<'a>(
+    items: impl Iterator<Item = &'a str>,
+    names: &[String],
+    ncols: usize,
+) -> Result<Vec<usize>> {
+    let mut found = Vec::new();
+    for item in items {
+        for column in one(item, names, ncols)? {
+            if found.contains(&column) {
+                return refuse(format!("column {item} is named twice"));
+            }
+            found.push(column);
+        }
+    }
+    Ok(found)
 }
 
 /// The numbers that the columns of a matrix have in its file.
@@ -156,15 +182,34 @@ fn one(item: &str, names: &[String], ncols: usize) -> Result<Range<usize>> {
     {
         return Ok(column..column + 1);
     }
-    let bounds = item.split_once("..").map(|(first, end)| (first.parse(), end.parse()));
-    if let Some((Ok(first), Ok(end))) = bounds {
-        return checked_columns(Some(&(first..end)), ncols);
+    let place = |name: &str| names.iter().position(|other| other == name);
+    let between = item.split_once("..").and_then(|(a, b)| Some((place(a)?, b, place(b)?)));
+    let range = bounds(item);
+    match (between, &range) {
+        (Some((first, _, last)), Some(range)) if (range.start, range.end) == (first, last) => {}
+        (Some((first, name, last)), _) => {
+            let end = last + 1;
+            return refuse(format!(
+                "{item}: a range has numbers of columns, counted from 0, and no names: \
+                 {first}..{end} ends with {name}, {first}..{last} before it"
+            ));
+        }
+        (None, _) => {}
+    }
+    if range.is_some() {
+        return checked_columns(range.as_ref(), ncols);
     }
     let known = match names {
         [] => format!("the file has {ncols} columns without names, counted from 0"),
         names => format!("the columns are {}", listed(names)),
     };
     refuse(format!("no column {item}; {known}"))
+}
+
+/// Returns the range FIRST..END that a text is.
+fn bounds(text: &str) -> Option<Range<usize>> {
+    let (first, end) = text.split_once("..")?;
+    Some(first.parse().ok()?..end.parse().ok()?)
 }
 
 /// Joins names, at most [`LISTED`] of them.
@@ -192,5 +237,44 @@ pub(super) fn checked_columns(
             "{}..{} is not inside the {ncols} columns of the matrix",
             r.start, r.end
         )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(text: &str, names: &[&str]) -> std::result::Result<Vec<usize>, String> {
+        let names: Vec<String> = names.iter().map(|&name| name.to_owned()).collect();
+        Columns::parse(text).of(&names, names.len()).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn a_range_between_names_is_refused_unless_they_are_the_numbers() {
+        let years = ["country", "1990", "1991", "1992"];
+        let refused = of("1990..1992", &years).unwrap_err();
+        assert!(refused.contains("1..4 ends with 1992, 1..3 before it"), "{refused}");
+        assert!(of("country..1991", &years).unwrap_err().contains("0..3 ends with 1991"));
+        assert!(of("0,2..3,1990..1992", &years).is_err());
+        assert_eq!(of("1..3", &years), Ok(vec![1, 2]));
+        assert_eq!(of("1..3", &["0", "1", "2", "3"]), Ok(vec![1, 2]));
+        let shifted = ["x", "0", "1", "2", "3"];
+        assert!(of("1..3", &shifted).unwrap_err().contains("2..5 ends with 3"));
+        assert_eq!(Columns::from(1..3).of(&shifted.map(str::to_owned), 5).unwrap(), [1, 2]);
+    }
+
+    #[test]
+    fn a_text_is_a_list_or_a_name_with_commas() {
+        assert_eq!(of("a, 0", &["b", "a"]), Ok(vec![1, 0]));
+        assert_eq!(of("Height, cm", &["Height, cm", "x"]), Ok(vec![0]));
+        let both = of("a,b", &["a", "b", "a,b"]).unwrap_err();
+        assert!(both.contains("a,b is a column and a list of columns"), "{both}");
+        assert!(of("a,c", &["a", "b"]).unwrap_err().contains("no column c"));
+    }
+
+    #[test]
+    fn a_range_in_a_text_bounds_what_is_read() {
+        assert_eq!(Columns::parse("1..3").range(5).unwrap(), 1..3);
+        assert!(!Columns::parse("1..3").is_list() && Columns::parse("1,2").is_list());
     }
 }

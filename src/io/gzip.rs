@@ -18,17 +18,17 @@ impl<R: BufRead> Unpacker<R> {
 
 impl<R: BufRead> Read for Unpacker<R> {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
-        self.0.read(out).map_err(plain)
+        self.0.read(out).map_err(|e| plain(e, ".gz"))
     }
 }
 
-/// Returns the error of a decoder of deflated data in words of this crate, and any other error, as
-/// of a disk, unchanged.
-fn plain(e: io::Error) -> io::Error {
+/// Returns the error of a decoder of deflated data in a file that ends so, in words of this crate,
+/// and any other error, as of a disk, unchanged.
+pub(super) fn plain(e: io::Error, ending: &str) -> io::Error {
     match e.kind() {
         _ if e.raw_os_error().is_some() => e,
         io::ErrorKind::UnexpectedEof => truncated(),
-        io::ErrorKind::InvalidInput | io::ErrorKind::InvalidData => damaged(".gz"),
+        io::ErrorKind::InvalidInput | io::ErrorKind::InvalidData => damaged(ending),
         _ => e,
     }
 }

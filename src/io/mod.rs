@@ -1,7 +1,7 @@
 //! Matrix files: NumPy `.npy`, MatrixMarket `.mtx` and text tables (`.csv`, `.tsv`, `.txt`), each
-//! also packed (`.gz`, `.xz`); several arrays in one NumPy `.npz` or HDF5 file ([`write_arrays`],
-//! [`read_arrays()`]). Files of rows, read block by block ([`RowFile`]): `.npy`, and HDF5 with
-//! feature `hdf5`. Parquet and Arrow files with feature `columnar`.
+//! also packed (`.gz`, `.xz`, `.zip`); several arrays in one NumPy `.npz` or HDF5 file
+//! ([`write_arrays`], [`read_arrays()`]). Files of rows, read block by block ([`RowFile`]): `.npy`,
+//! and HDF5 with feature `hdf5`. Parquet, Arrow and `.zst` files with feature `columnar`.
 //!
 //! A reader checks everything it reads: a broken header, a ragged row, text where a number should
 //! be, a truncated file and trailing data are errors that name the file and, in text, the line. A
@@ -38,6 +38,9 @@ mod table_file;
 mod tests;
 mod unwritten;
 mod xz;
+mod zipped;
+#[cfg(feature = "columnar")]
+mod zstd;
 
 use std::path::Path;
 
@@ -116,7 +119,9 @@ impl FileContent {
 /// - `.npz`, packed or not: the array `FILE.npz:NAME`, or `FILE.npz` with one array or a sparse
 ///   matrix as `scipy.sparse.save_npz` writes it.
 ///
-/// Other names leave the format to the content. The names may have `.gz` or `.xz` after them.
+/// Other names leave the format to the content. The names may have `.gz`, `.xz`, `.zst` (feature
+/// `columnar`) or `.zip`, of an archive of one file, after them; whether a file is packed, its
+/// content says.
 ///
 /// A file may take as much memory as `options.max_memory` says. A file whose header announces more
 /// is rejected before the memory is allocated.

@@ -81,8 +81,7 @@ impl FileFormat {
     }
 
     /// Opens a file, and returns its format: the one that is given, or else the one that its name
-    /// ends in, or else that of its content. A name that ends in no packing leaves that to the
-    /// content, too.
+    /// ends in, or else that of its content.
     pub(super) fn open<'a>(
         path: &Path,
         given: Option<Self>,
@@ -90,11 +89,7 @@ impl FileFormat {
     ) -> Result<(Source<'a>, Self)> {
         let named = Self::of_name(path);
         let (_, packing) = Packing::of(&lower_name(path));
-        let of_content = |head: &[u8]| match packing {
-            Packing::None => Packing::of_content(head),
-            packing => packing,
-        };
-        let mut source = Source::open_packed(path, of_content, options)?;
+        let mut source = Source::open(path, packing, options)?;
         let format = match given.or(named.map(|(format, _)| format)) {
             Some(format) => format,
             None => {

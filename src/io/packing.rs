@@ -1,5 +1,6 @@
 //! How a file is packed, and what is said about packed files that can't be read.
 
+use std::fmt;
 use std::io;
 
 /// How a file is packed.
@@ -11,14 +12,24 @@ pub enum Packing {
     Gzip,
     /// By xz.
     Xz,
+    /// By zstd (feature `columnar`).
+    Zstd,
+    /// The only file of a zip archive.
+    Zip,
 }
 
+/// How packed files begin, what their names end in, and what packs them.
+const PACKED: [(Packing, &[u8], &str, &str); 4] = [
+    (Packing::Gzip, b"\x1f\x8b", ".gz", "gzip"),
+    (Packing::Xz, b"\xfd7zXZ\0", ".xz", "xz"),
+    (Packing::Zstd, b"\x28\xb5\x2f\xfd", ".zst", "zstd"),
+    (Packing::Zip, b"PK\x03\x04", ".zip", "zip"),
+];
+
 /// Packers that are not supported: where their files have which bytes.
-const OTHERS: [(usize, &[u8], &str); 6] = [
-    (0, b"\x28\xb5\x2f\xfd", "zstd (.zst)"),
+const OTHERS: [(usize, &[u8], &str); 4] = [
     // Of the first block: text may begin like the file itself.
     (4, b"1AY&SY", "bzip2 (.bz2)"),
-    (0, b"PK\x03\x04", "zip (.zip)"),
     (0, b"7z\xbc\xaf\x27\x1c", "7-Zip (.7z)"),
     (0, b"\x04\x22\x4d\x18", "LZ4 (.lz4)"),
     (0, b"\x1f\x9d", "compress (.Z)"),
@@ -28,21 +39,29 @@ impl Packing {
     /// Returns the file name (in lower case) without the ending of a packed file, and the packing.
     #[doc(hidden)]
     pub fn of(name: &str) -> (&str, Self) {
-        if let Some(stem) = name.strip_suffix(".gz") {
-            (stem, Self::Gzip)
-        } else if let Some(stem) = name.strip_suffix(".xz") {
-            (stem, Self::Xz)
-        } else {
-            (name, Self::None)
-        }
+        let stem = |&(packing, _, ending, _): &(Self, &[u8], &str, &str)| {
+            Some((name.strip_suffix(ending)?, packing))
+        };
+        PACKED.iter().find_map(stem).unwrap_or((name, Self::None))
     }
 
     /// Returns the packing of a file that begins with these bytes.
-    pub(super) fn of_content(head: &[u8]) -> Self {
-        match head {
-            [0x1f, 0x8b, ..] => Self::Gzip,
-            [0xfd, b'7', b'z', b'X', b'Z', 0, ..] => Self::Xz,
-            _ => Self::None,
+    #[doc(hidden)]
+    pub fn of_content(head: &[u8]) -> Self {
+        match PACKED.iter().find(|(_, magic, ..)| head.starts_with(magic)) {
+            Some(&(packing, ..)) => packing,
+            // A frame of zstd that is skipped.
+            None if matches!(head, [0x50..=0x5f, 0x2a, 0x4d, 0x18, ..]) => Self::Zstd,
+            None => Self::None,
+        }
+    }
+
+    /// Returns the packing of a file that begins with these bytes, or else this one, which its name
+    /// ends in.
+    pub(super) fn or_of_content(self, head: &[u8]) -> Self {
+        match Self::of_content(head) {
+            Self::None => self,
+            found => found,
         }
     }
 
@@ -54,19 +73,40 @@ impl Packing {
         };
         if let Some((.., packer)) = OTHERS.iter().find(is_other) {
             return Err(io::Error::other(format!(
-                "is packed by {packer}, which is not supported: .gz and .xz are; or unpack it first"
+                "is packed by {packer}, which is not supported: .gz, .xz, .zst and .zip are; or \
+                 unpack it first"
             )));
         }
-        let (magic, ending): (&[u8], _) = match self {
-            Self::None => return Ok(()),
-            Self::Gzip => (b"\x1f\x8b", ".gz"),
-            Self::Xz => (b"\xfd7zXZ\0", ".xz"),
-        };
+        if self == Self::Zstd && cfg!(not(feature = "columnar")) {
+            let what = "is packed by zstd, which is not part of this program: build it with \
+                        --features columnar";
+            return Err(io::Error::other(what));
+        }
+        let Some((_, magic, ending, _)) = self.named() else { return Ok(()) };
         // The readers say that a file is truncated.
-        if head.starts_with(magic) || magic.starts_with(head) {
+        if Self::of_content(head) == self || magic.starts_with(head) {
             return Ok(());
         }
         Err(io::Error::other(format!("is not a {ending} file: damaged, or not packed")))
+    }
+
+    /// Returns what the name of a file that is packed so ends in.
+    #[doc(hidden)]
+    pub fn ending(self) -> &'static str {
+        self.named().map_or("", |(_, _, ending, _)| *ending)
+    }
+
+    fn named(self) -> Option<&'static (Self, &'static [u8], &'static str, &'static str)> {
+        PACKED.iter().find(|(packing, ..)| *packing == self)
+    }
+}
+
+impl fmt::Display for Packing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.named() {
+            None => f.write_str("not packed"),
+            Some((.., packer)) => write!(f, "packed by {packer}"),
+        }
     }
 }
 
@@ -90,13 +130,11 @@ mod tests {
     #[test]
     fn a_file_that_is_packed_otherwise_is_refused_by_the_name_of_its_packer() {
         let refused = |packing: Packing, head: &[u8]| packing.check(head).unwrap_err().to_string();
-        for packing in [Packing::None, Packing::Gzip, Packing::Xz] {
-            let zstd = refused(packing, b"\x28\xb5\x2f\xfd\x04\x58");
-            assert!(zstd.contains("packed by zstd (.zst), which is not supported"), "{zstd}");
-            let zip = refused(packing, b"PK\x03\x04\x14\0");
-            assert!(zip.contains("packed by zip (.zip), which is not supported"), "{zip}");
+        for packing in [Packing::None, Packing::Gzip, Packing::Zip] {
             let bzip2 = refused(packing, b"BZh91AY&SY\x94");
             assert!(bzip2.contains("packed by bzip2 (.bz2), which is not"), "{bzip2}");
+            let lz4 = refused(packing, b"\x04\x22\x4d\x18\x60");
+            assert!(lz4.contains("packed by LZ4 (.lz4), which is not"), "{lz4}");
         }
         // Text that only begins in the same way.
         assert!(Packing::None.check(b"BZh 1 2 3\n").is_ok());
@@ -108,8 +146,20 @@ mod tests {
             (Packing::Gzip, b"\x1f\x8b\x08"),
             (Packing::Gzip, b""),
             (Packing::Xz, b"\xfd7zX"),
+            #[cfg(feature = "columnar")]
+            (Packing::Zstd, b"\x5e\x2a\x4d\x18\x04\0\0\0"),
+            (Packing::Zip, b"PK"),
         ] {
             assert!(packing.check(head).is_ok(), "{packing:?} {head:?}");
         }
+    }
+
+    #[test]
+    fn content_decides_before_the_name() {
+        assert_eq!(Packing::Gzip.or_of_content(b"\x28\xb5\x2f\xfd\x04\x58"), Packing::Zstd);
+        assert_eq!(Packing::None.or_of_content(b"PK\x03\x04\x14\0"), Packing::Zip);
+        assert_eq!(Packing::Gzip.or_of_content(b"1,2\n"), Packing::Gzip);
+        assert_eq!(Packing::of("a.csv.zst"), ("a.csv", Packing::Zstd));
+        assert_eq!(Packing::Zip.to_string(), "packed by zip");
     }
 }

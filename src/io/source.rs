@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 
 use super::limits::{LARGER_MAX_MEMORY, SourceOptions, check_memory, longest_line, memory_limit};
 use super::packing::{Packing, TRUNCATED};
-use super::{gzip, xz};
+#[cfg(feature = "columnar")]
+use super::zstd;
+use super::{gzip, xz, zipped};
 use crate::base::{Error, Progress, Result};
 
 /// Bytes read from the disk at a time.
@@ -31,12 +33,12 @@ pub struct Source<'a> {
 }
 
 impl<'a> Source<'a> {
-    /// Opens a file that is packed so.
+    /// Opens a file that is packed as its content says, or else so.
     ///
     /// # Errors
     /// [`Error::Io`] where the file can't be opened or unpacked.
     pub fn open(path: &Path, packing: Packing, options: &SourceOptions<'a>) -> Result<Self> {
-        Self::open_packed(path, |_| packing, options)
+        Self::open_packed(path, |head| packing.or_of_content(head), options)
     }
 
     /// Opens a file, packed as `packing` concludes from the first bytes.
@@ -66,15 +68,21 @@ impl<'a> Source<'a> {
         let head = raw.fill_buf().map_err(|e| error_at(path, None, e))?;
         let packing = packing(head);
         packing.check(head).map_err(|e| error_at(path, None, e))?;
+        let limited = |inner: Box<dyn Read + 'a>| -> Box<dyn BufRead + 'a> {
+            Box::new(BufReader::with_capacity(buffer, Limited { inner, left: memory }))
+        };
         let reader: Box<dyn BufRead + 'a> = match packing {
             Packing::None => Box::new(raw),
-            Packing::Gzip => {
-                let inner = gzip::Unpacker::new(raw);
-                Box::new(BufReader::with_capacity(buffer, Limited { inner, left: memory }))
-            }
-            Packing::Xz => {
-                let inner = xz::Unpacker::new(raw);
-                Box::new(BufReader::with_capacity(buffer, Limited { inner, left: memory }))
+            Packing::Gzip => limited(Box::new(gzip::Unpacker::new(raw))),
+            Packing::Xz => limited(Box::new(xz::Unpacker::new(raw))),
+            #[cfg(feature = "columnar")]
+            Packing::Zstd => limited(Box::new(zstd::Unpacker::new(raw, memory))),
+            // Refused above.
+            #[cfg(not(feature = "columnar"))]
+            Packing::Zstd => Box::new(raw),
+            Packing::Zip => {
+                let inner = zipped::Unpacker::open(path, raw);
+                limited(Box::new(inner.map_err(|e| error_at(path, None, e))?))
             }
         };
         // The size of a pipe reads as 0.

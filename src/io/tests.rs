@@ -565,10 +565,8 @@ fn missing_files_folders_and_unknown_content_are_refused() {
     assert!(message(&folder.path("d.csv")).ends_with("d.csv: is a directory"));
     let zeros = folder.file("a.xls", b"\xd0\xcf\x11\xe0\0\0\0\0");
     assert!(message(&zeros).contains("a.xls:1: not text: it has a zero byte"));
-    for (magic, name) in [(&b"\x28\xb5\x2f\xfd"[..], "zstd"), (b"BZh91AY&SY", "bzip2")] {
-        let packed = folder.file("a.csv", magic);
-        assert!(message(&packed).contains(&format!("is packed by {name} (")));
-    }
+    let packed = folder.file("a.csv", b"BZh91AY&SY");
+    assert!(message(&packed).contains("is packed by bzip2 ("));
 }
 
 #[test]

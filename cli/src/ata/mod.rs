@@ -35,10 +35,11 @@ pub use unbounded::Unbounded;
 
 /// Compute C = A^T A of a matrix in a file, or A^H A of a complex one.
 ///
-/// Reads .npy, .mtx and text tables, each also as .gz or .xz, from a file or stdin (-), and HDF5
-/// where it is built in (FILE.h5:/dataset). Sparse .mtx files stay sparse. A .npy or HDF5 file and
-/// a large table are read block by block, while the block before is multiplied: they may be larger
-/// than memory. Under `mpirun` (where MPI is built in) each rank takes a part of the rows.
+/// Reads .npy, .mtx and text tables, each also packed (.gz, .xz, .zst, .zip), from a file or stdin
+/// (-), and HDF5 where it is built in (FILE.h5:/dataset). Sparse .mtx files stay sparse. A .npy or
+/// HDF5 file and a large table are read block by block, while the block before is multiplied: they
+/// may be larger than memory. Under `mpirun` (where MPI is built in) each rank takes a part of the
+/// rows.
 #[derive(clap::Args)]
 pub struct Args {
     /// The matrix A, m x n.
@@ -709,14 +710,13 @@ impl Work<'_> {
     fn outline(&self, plan: &StreamPlan, options: &AtaOptions<'_>) -> Result<()> {
         let scheme = plan.product().map_or_else(|| "strips of C".into(), Plan::scheme);
         let kernels = plan.product().and_then(Plan::isa).unwrap_or(options.backend.name());
-        let threads = options.par.threads();
+        let (threads, said) = used_threads(plan, options);
         status!(
             "plan",
             scheme = scheme,
             kernels = kernels,
             threads = threads;
-            "{scheme}, by {kernels}, {threads} threads{}; --explain prints all of it",
-            pinned(options)
+            "{scheme}, by {kernels}, {said}; --explain prints all of it"
         )
     }
 
@@ -726,13 +726,13 @@ impl Work<'_> {
         if self.args.verify {
             text += "check      one more read of A\n";
         }
-        let (threads, pinned) = (options.par.threads(), pinned(options));
+        let (threads, said) = used_threads(plan, options);
         let is_exact = plan.product().is_some_and(|plan| plan.is_exact());
         // The exact path uses no back end.
         let backend = (!is_exact).then(|| options.backend.name());
         text += &match backend {
-            None => format!("threads    {threads}{pinned}"),
-            Some(name) => format!("back end   {name}, {threads} threads{pinned}"),
+            None => format!("threads    {threads}{}", pinned(options)),
+            Some(name) => format!("back end   {name}, {said}"),
         };
         report!(
             "plan",
@@ -744,11 +744,21 @@ impl Work<'_> {
             bytes = plan.bytes(),
             backend = backend,
             threads = threads,
-            pinned = !pinned.is_empty();
+            pinned = said.ends_with("pinned");
             "{}",
             text.replace('\n', "\n            ")
         )
     }
+}
+
+/// Returns the threads that products take, and what a report says of them.
+fn used_threads(plan: &StreamPlan, options: &AtaOptions<'_>) -> (usize, String) {
+    let (threads, pinned) = match plan.product().is_some_and(Plan::is_direct) {
+        true => (1, ""),
+        false => (options.par.threads(), pinned(options)),
+    };
+    let s = if threads == 1 { "" } else { "s" };
+    (threads, format!("{threads} thread{s}{pinned}"))
 }
 
 /// Returns what `--explain` prints after the number of threads.

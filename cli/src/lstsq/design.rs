@@ -33,10 +33,12 @@ pub(super) struct Designed {
     pub dropped: usize,
 }
 
-/// Returns the names that `--factor` may mean: a name may have an equals sign, or be one before it.
+/// Returns the names that `--factor` may mean: a name may have commas and an equals sign, or be
+/// between and before them.
 pub(super) fn possible_names(factors: &[String]) -> Vec<String> {
-    let before = factors.iter().filter_map(|text| Some(text.split_once('=')?.0.to_owned()));
-    factors.iter().cloned().chain(before).collect()
+    let texts = factors.iter().flat_map(|text| [&text[..]].into_iter().chain(text.split(',')));
+    let names = texts.flat_map(|text| [Some(text), text.split_once('=').map(|(name, _)| name)]);
+    names.flatten().map(|name| name.trim().to_owned()).collect()
 }
 
 /// Leaves out rows with missing values, and replaces factors by their indicators. All processes
@@ -112,23 +114,47 @@ fn names(term: &Term) -> Vec<String> {
     }
 }
 
-/// Finds the columns of `--factor`, each a name or number, or that, an equals sign and the base.
+/// Finds the columns of `--factor`, each a name or number, or that, an equals sign and the base, or
+/// a list of these between commas.
 fn wanted<'a>(names: &Names<'_>, factors: &'a [String]) -> Result<Vec<Wanted<'a>>> {
     let mut found: Vec<Wanted> = Vec::with_capacity(factors.len());
     for text in factors {
-        // A name may have an equals sign.
-        let (column, base) = match (names.position(text)?, text.split_once('=')) {
-            (None, Some((name, base))) => (names.position(name)?, Some(base)),
-            (column, _) => (column, None),
-        };
-        let Some(column) = column else { return Err(names.missing(text, "factor")) };
-        if found.iter().any(|other| other.column == column) {
-            let (path, name) = (names.path.display(), &names.names[column]);
-            bail!("{path}: column {name} is named twice by --factor");
+        for one in listed(names, text)? {
+            if found.iter().any(|other| other.column == one.column) {
+                let (path, name) = (names.path.display(), &names.names[one.column]);
+                bail!("{path}: column {name} is named twice by --factor");
+            }
+            found.push(one);
         }
-        found.push(Wanted { column, base });
     }
     Ok(found)
+}
+
+/// Returns the columns that a text names: a column with commas in its name, or a list, or a column
+/// with commas in the name of its base.
+fn listed<'a>(names: &Names<'_>, text: &'a str) -> Result<Vec<Wanted<'a>>> {
+    if let Some(column) = names.position(text)? {
+        return Ok(vec![Wanted { column, base: None }]);
+    }
+    let mut found = Vec::new();
+    for part in text.split(',').map(str::trim) {
+        match (named(names, part)?, named(names, text)?) {
+            (Some(one), _) => found.push(one),
+            (None, Some(whole)) => return Ok(vec![whole]),
+            (None, None) => return Err(names.missing(part, "factor")),
+        }
+    }
+    Ok(found)
+}
+
+/// Returns the column with a name that may have an equals sign, or the one with the name before it.
+fn named<'a>(names: &Names<'_>, text: &'a str) -> Result<Option<Wanted<'a>>> {
+    Ok(match (names.position(text)?, text.split_once('=')) {
+        (None, Some((name, base))) => {
+            names.position(name)?.map(|column| Wanted { column, base: Some(base) })
+        }
+        (column, _) => column.map(|column| Wanted { column, base: None }),
+    })
 }
 
 #[cfg(test)]
@@ -153,8 +179,12 @@ mod tests {
         assert_eq!(found(&["b=c", "a=x=y"]), Ok(vec![(1, None), (0, Some("x=y".into()))]));
         assert_eq!(found(&["b=d"]), Ok(vec![(2, Some("d".into()))]));
         assert_eq!(found(&["4=d", "1"]), Ok(vec![(2, Some("d".into())), (0, None)]));
+        assert_eq!(found(&["a,b=d, 1"]).unwrap_err(), "t.csv: column a is named twice by --factor");
+        assert_eq!(found(&["b=d, a"]), Ok(vec![(2, Some("d".into())), (0, None)]));
+        assert_eq!(found(&["b=d, e"]), Ok(vec![(2, Some("d, e".into()))]));
         let no = "t.csv: no column z for --factor; A has a, b=c, b";
         assert_eq!(found(&["z"]), Err(no.into()));
+        assert_eq!(found(&["a,z"]), Err(no.into()));
         let twice = "t.csv: column a is named twice by --factor";
         assert_eq!(found(&["a", "a=1"]), Err(twice.into()));
     }

@@ -63,7 +63,7 @@ pub struct Args {
     /// Take this column of A, a name or a number, for a factor: it becomes one column for each of
     /// its values but the base, with 1 in the rows of that value and 0 elsewhere, and each
     /// coefficient is a difference from the base. The base is the least value unless it is named
-    /// after an equals sign. May be given several times.
+    /// after an equals sign. May be a list between commas, and be given several times.
     #[arg(long, value_name = "NAME[=BASE]")]
     factor: Vec<String>,
     /// Also print and write confidence intervals with this confidence, such as 0.95: `lower` and

@@ -294,6 +294,18 @@ fn columns_are_half_open() {
 }
 
 #[test]
+fn the_plan_says_how_many_threads_a_product_takes() {
+    let (folder, _) = with_input(M, N);
+    let small = folder.succeed("ata a.npy --threads 2 -o c.npy");
+    assert!(small.contains("direct, by") && small.contains(", 1 thread; --explain"), "{small}");
+    let explained = folder.succeed("ata a.npy --threads 2 --explain -o d.npy");
+    assert!(explained.contains(", 1 thread\n"), "{explained}");
+    let (folder, _) = with_input(2000, 300);
+    let large = folder.succeed("ata a.npy --threads 2 -o c.npy");
+    assert!(large.contains(", 2 threads; --explain"), "{large}");
+}
+
+#[test]
 fn explain_prints_the_plan_before_computing() {
     let (folder, _) = with_input(M, N);
     let report = folder.succeed("ata a.npy --explain");

@@ -308,7 +308,7 @@ fn tables_of_r_have_the_statistics_of_multiprecision_by_one_command() {
     let columns = "--columns Ozone,Solar.R,Wind,Temp,Month --missing drop";
     for (set, text, options, left_out) in [
         ("airquality", AIRQUALITY, format!("Ozone --factor Month {columns}"), 42),
-        ("ToothGrowth", TOOTH_GROWTH, "len --factor supp=VC --factor dose".into(), 0),
+        ("ToothGrowth", TOOTH_GROWTH, "len --factor supp=VC,dose".into(), 0),
         ("warpbreaks", WARPBREAKS, "breaks --factor wool --factor tension=L".into(), 0),
     ] {
         folder.write(&format!("{set}.csv"), text);

@@ -44,6 +44,9 @@ fn columns_are_names_numbers_ranges_or_lists_of_every_format() {
     assert!(said.contains("a.csv:2: column id has words, such as \"u\""), "{said}");
     let said = folder.fail("ata a.csv --columns q");
     assert!(said.contains("a.csv: columns: no column q; the columns are id, x, y, z"), "{said}");
+    folder.write("years.csv", "k,1990,1991\n1,2,3\n4,5,7\n");
+    let said = folder.fail("ata years.csv --columns 1990..1991");
+    assert!(said.contains("1..3 ends with 1991, 1..2 before it"), "{said}");
     folder.write("b.csv", "5,1,2\n6,3,5\n7,4,4\n");
     folder.write_npy("b.npy", &[3, 3], &[5.0, 1.0, 2.0, 6.0, 3.0, 5.0, 7.0, 4.0, 4.0]);
     for file in ["b.csv", "b.npy"] {

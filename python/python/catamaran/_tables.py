@@ -81,13 +81,13 @@ def read(
     index: Optional[bool] = None,
     encoding: Optional[str] = None,
     format: Optional[FileFormat] = None,
-    factors: Union[bool, Sequence[Union[int, str]]] = False,
+    factors: Union[bool, int, str, Sequence[Union[int, str]]] = False,
     max_memory: Optional[int] = None,
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> Table:
-    """Read a matrix from a text table, .npy or MatrixMarket, each also packed by gzip or xz, or
-    from Parquet or Arrow (Feather).
+    """Read a matrix from a text table, .npy or MatrixMarket, each also packed (.gz, .xz,
+    .zst, .zip), or from Parquet or Arrow (Feather).
 
     A file has one reading or none: by default its beginning decides how a table is read, and what
     it leaves open is an error that names the option that decides.
@@ -97,7 +97,9 @@ def read(
     path : path
         The file.
     columns : int, str, range, or sequence of int and str, optional
-        Columns to keep: numbers counted from 0 over all columns of the file, or names.
+        Columns to keep: numbers counted from 0 over all columns of the file, or names. A string is
+        what the command line takes: a name, a number, a range "2..5" without its end, or a list of
+        these between commas.
     separator : str, optional
         The character between fields; a blank stands for runs of blanks and tabs.
     decimal : str, optional
@@ -120,9 +122,10 @@ def read(
         The encoding of text.
     format : {"npy", "mtx", "table", "parquet", "arrow"}, optional
         The format, whatever the name of the file ends in.
-    factors : bool, or sequence of int and str
+    factors : bool, int, str, or sequence of int and str
         Whether columns of words become factors: numbers of their levels. Otherwise they are left
-        out. A sequence names the columns that become factors if one of their entries is a word.
+        out. A sequence, or a string with commas, names the columns that become factors if one of
+        their entries is a word.
     max_memory : int, optional
         Bytes of memory that the file may take.
     threads : int, optional
@@ -145,7 +148,7 @@ def read(
     OSError
         Names the file, the line, the column, and the option that decides.
     ValueError
-        An option is out of its range, or a column does not exist.
+        An option is out of its range, or a column or factor does not exist.
 
     Examples
     --------
@@ -159,8 +162,11 @@ def read(
     >>> table.names, table.values.ravel().tolist()
     (['y'], [2.0, 3.0, 5.0])
     """
+    if isinstance(factors, str):
+        factors = [name.strip() for name in factors.split(",")]
+    wanted = [] if isinstance(factors, bool) else listed(factors) or []
     options = {
-        "columns": listed(columns),
+        "columns": columns if isinstance(columns, str) else listed(columns),
         "separator": separator,
         "decimal": decimal,
         "thousands": thousands,
@@ -173,11 +179,15 @@ def read(
         "encoding": encoding,
         "format": format,
         "words": factors is True,
-        "factors": [] if isinstance(factors, bool) else listed(factors),
+        "factors": wanted,
         "max_memory": max_memory,
         "threads": threads,
     }
     found = _catamaran.read(path, options, callback(progress))
+    known = [*found["names"], *map(str, found["numbers"])]
+    for name in wanted:
+        if name not in known:
+            raise ValueError(f"factors: no column {name} is read; the columns are {known}")
     if not found.get("is_plain", True):
         warn_caller(f"{os.fspath(path)}: {found['reading']}")
     if "sparse" in found:

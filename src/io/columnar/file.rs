@@ -16,7 +16,7 @@ use super::words::Words;
 use crate::base::{Error, Real, Result};
 use crate::io::ReadOptions;
 use crate::io::columns::Columns;
-use crate::io::limits::{check_memory, memory_limit};
+use crate::io::limits::{LARGER_MAX_MEMORY, check_memory, memory_limit};
 use crate::io::matrix::Dense;
 use crate::io::names::FileFormat;
 use crate::io::rows::{Stamp, canonical, check_rows, seekable};
@@ -62,8 +62,16 @@ impl ColumnarFile {
             FileFormat::Parquet => Arc::new(ParquetStore::open(path, stamp.len, limit)?),
             _ => Arc::new(ArrowStore::open(path, stamp.len, limit)?),
         };
+        let contents = store.contents();
+        let all = contents.groups.iter().sum::<usize>();
+        // Nulls, and what repeats, may take no bytes: rows beyond one for each byte that the file
+        // may unpack to would take hours.
+        if all as u64 > limit.max(memory_limit(stamp.len, None)) {
+            let what = format!("announces {all} rows in {} bytes: {LARGER_MAX_MEMORY}", stamp.len);
+            return Err(error(path, None, what));
+        }
         let table = &options.table;
-        let mut reading = plan(path, format, store.fields(), table, &options.columns)?;
+        let mut reading = plan(path, format, &contents.fields, table, &options.columns)?;
         let words = |kind: &ColumnKind| match kind {
             ColumnKind::Numbers => None,
             ColumnKind::Factor { .. } => Some(Arc::new(Words::new(limit))),
@@ -86,7 +94,7 @@ impl ColumnarFile {
         for rows in kept {
             starts.push(starts[starts.len() - 1] + rows);
         }
-        let (all, nrows) = (store.groups().iter().sum::<usize>(), starts[starts.len() - 1]);
+        let nrows = starts[starts.len() - 1];
         reading.dropped_rows = (all - nrows) as u64;
         if nrows == 0 && all > 0 {
             return Err(error(path, None, format!("each of its {all} rows has a missing cell")));
@@ -219,7 +227,7 @@ impl ColumnarFile {
                 Some(group) => group.number + 1,
                 None => 0,
             };
-            if next >= self.store.groups().len() {
+            if next >= self.store.contents().groups.len() {
                 return Err(error(&self.path, None, "fewer rows than it announces"));
             }
             self.group = Some(self.open_group(next)?);
@@ -234,12 +242,12 @@ fn scan(
     used: &[Used],
     options: &ReadOptions<'_>,
 ) -> Result<(Vec<usize>, Vec<Vec<bool>>)> {
-    let store = context.store;
+    let groups = &context.store.contents().groups;
     // A missing cell that is an error is found in the order of rows, when they are read.
     let drops = context.missing == Missing::Drop;
     let missing = if drops { Missing::Drop } else { Missing::Nan };
     let context = Context { missing, ..context };
-    let mut kept = store.groups().to_vec();
+    let mut kept = groups.clone();
     let mut seen = vec![Vec::new(); used.len()];
     for (number, kept) in kept.iter_mut().enumerate() {
         let is_needed = |&j: &usize| drops || used[j].words.is_some();
@@ -257,7 +265,7 @@ fn scan(
                     group.mark(at, &mut seen[j]);
                 }
             }
-            options.progress.report(number as f64 / store.groups().len() as f64)?;
+            options.progress.report(number as f64 / groups.len() as f64)?;
         }
     }
     Ok((kept, seen))

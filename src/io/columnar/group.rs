@@ -39,7 +39,7 @@ pub struct Context<'a> {
 impl Context<'_> {
     /// Returns the error for what is wrong with a column in a group.
     fn fail(&self, group: usize, name: &str, what: &str) -> Error {
-        let of = self.store.group_name();
+        let of = self.store.contents().group_name;
         error(self.path, None, format!("column {name}, {of} {group} (counted from 0): {what}"))
     }
 }
@@ -77,7 +77,8 @@ impl Group {
             Ok(Column { name, reader, cells: Cells::default(), fault: None })
         };
         let columns = used.map(open).collect::<Result<_>>()?;
-        Ok(Self { number, columns, left: context.store.groups()[number], rows: 0, kept: None })
+        let left = context.store.contents().groups[number];
+        Ok(Self { number, columns, left, rows: 0, kept: None })
     }
 
     /// Decodes the next rows, at most [`BATCH`].
@@ -85,7 +86,8 @@ impl Group {
     /// # Errors
     /// A column is damaged; a cell is missing where that is an error.
     pub fn next(&mut self, context: Context<'_>) -> Result<()> {
-        let (rows, before) = (self.left.min(BATCH), context.store.groups()[self.number]);
+        let before = context.store.contents().groups[self.number];
+        let rows = self.left.min(BATCH);
         context.par.for_each(self.columns.iter_mut(), |_, column: &mut Column| {
             column.cells.clear();
             let done = column.reader.read(rows, &mut column.cells);

@@ -45,15 +45,19 @@ pub trait ColumnReader: Send {
     fn read(&mut self, rows: usize, cells: &mut Cells) -> Result<(), Fault>;
 }
 
+/// What a columnar file says that it has.
+#[derive(Debug)]
+pub struct Contents {
+    pub fields: Vec<Field>,
+    /// The number of rows of each group, which together are a number, too.
+    pub groups: Vec<usize>,
+    /// What a group is called.
+    pub group_name: &'static str,
+}
+
 /// An open columnar file.
 pub trait Store: Send + Sync {
-    fn fields(&self) -> &[Field];
-
-    /// Returns the number of rows of each group.
-    fn groups(&self) -> &[usize];
-
-    /// What a group is called.
-    fn group_name(&self) -> &'static str;
+    fn contents(&self) -> &Contents;
 
     /// Opens a column of numbers, or one of words with their numbers.
     fn column(

@@ -1,6 +1,6 @@
 //! The words of a column, and their numbers.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use super::fault::Fault;
 use crate::io::limits::LARGER_MAX_MEMORY;
@@ -8,7 +8,11 @@ use crate::io::table::Levels;
 
 /// The words of a column, shared by the readers of its groups.
 #[derive(Debug)]
-pub struct Words(Mutex<Numbering>);
+pub struct Words {
+    numbering: Mutex<Numbering>,
+    /// The numbers of the words of the column's dictionary.
+    coded: OnceLock<Arc<[Option<i32>]>>,
+}
 
 /// Numbers of words.
 #[derive(Debug)]
@@ -21,7 +25,7 @@ pub struct Numbering {
 impl Words {
     /// Returns no words; those that are added take at most `limit` bytes of memory.
     pub fn new(limit: u64) -> Self {
-        Self(Mutex::new(Numbering { levels: Levels::default(), left: Some(limit) }))
+        Self::of(Numbering { levels: Levels::default(), left: Some(limit) })
     }
 
     /// Returns words with the numbers of their places; others have none.
@@ -30,12 +34,32 @@ impl Words {
         for word in words {
             levels.number(word);
         }
-        Self(Mutex::new(Numbering { levels, left: None }))
+        Self::of(Numbering { levels, left: None })
+    }
+
+    fn of(numbering: Numbering) -> Self {
+        Self { numbering: numbering.into(), coded: OnceLock::new() }
+    }
+
+    /// Returns the numbers of the words of the only dictionary of the column, which are found once
+    /// for all groups; `None` for words that are missing.
+    ///
+    /// # Errors
+    /// Words that take too much memory.
+    pub fn of_dictionary(&self, words: &[Option<Vec<u8>>]) -> Result<Arc<[Option<i32>]>, Fault> {
+        let mut numbering = self.numbering();
+        if let Some(known) = self.coded.get() {
+            return Ok(known.clone());
+        }
+        let number =
+            |word: &Option<Vec<u8>>| word.as_ref().map(|word| numbering.number(word)).transpose();
+        let found: Arc<[_]> = words.iter().map(number).collect::<Result<_, Fault>>()?;
+        Ok(self.coded.get_or_init(|| found).clone())
     }
 
     /// Returns the numbers, for one reader at a time.
     pub fn numbering(&self) -> MutexGuard<'_, Numbering> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        self.numbering.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Returns the words of which `seen` tells that rows have them, sorted by their bytes.
@@ -73,4 +97,19 @@ impl Numbering {
 /// Returns the entry for the number of a word.
 pub fn entry(number: i32) -> f64 {
     if number < 0 { f64::NAN } else { f64::from(number) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_words_of_a_dictionary_are_numbered_once() {
+        let words = Words::closed(&[b"b".to_vec(), b"a".to_vec()]);
+        let dictionary = [Some(b"a".to_vec()), None, Some(b"other".to_vec()), Some(b"b".to_vec())];
+        let found = words.of_dictionary(&dictionary).unwrap();
+        assert_eq!(*found, [Some(1), None, Some(-1), Some(0)]);
+        // The next group has the same.
+        assert!(Arc::ptr_eq(&found, &words.of_dictionary(&dictionary).unwrap()));
+    }
 }

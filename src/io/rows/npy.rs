@@ -36,7 +36,9 @@ impl NpyRows {
     pub(super) fn open(path: &Path) -> Result<Self> {
         // The open of a pipe would wait.
         seekable(path)?;
-        let layout = Layout::read(&mut Source::open(path, Packing::None, &SourceOptions::new())?)?;
+        // Rows are read from the file as it is, so that it is none that is packed.
+        let options = SourceOptions::new();
+        let layout = Layout::read(&mut Source::open_packed(path, |_| Packing::None, &options)?)?;
         let opened = File::open(path).and_then(|file| file.metadata().map(|about| (file, about)));
         let (file, metadata) = opened.map_err(|e| error_at(path, None, e))?;
         let stamp = Stamp::of(&metadata);

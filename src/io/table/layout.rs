@@ -111,6 +111,9 @@ pub(super) fn decide(
     if table.sample.rows.is_empty() {
         return Err(table.no_rows());
     }
+    if separator.is_none() {
+        table.check_commas(rest, is_last, line)?;
+    }
     if separator.is_none() && table.is_one_column_of_decimal_commas()? {
         // No separator is left. What a comma within a number means is decided as elsewhere.
         let options = options.clone().separator(Separator::Char('\t'));
@@ -178,6 +181,43 @@ impl Found<'_> {
     /// Returns the rows from `from` on that have `width` fields.
     fn rows(&self, from: usize, width: usize) -> impl Iterator<Item = &SampleRow> {
         self.sample.rows[from..].iter().filter(move |row| row.fields.len() == width)
+    }
+
+    /// Checks that rows which commas divide into a word and a number are not as well a word and a
+    /// number with a decimal comma, between bars or blanks.
+    fn check_commas(&self, text: &[u8], is_last: bool, line: usize) -> Result<()> {
+        if self.syntax.between != Between::Byte(b',') || self.options.decimal.is_some() {
+            return Ok(());
+        }
+        let rows = &self.sample.rows;
+        let names = rows[0].fields.len();
+        // A header of one name says nothing about the separator.
+        let data = usize::from(rows.len() > 1 && names == 1);
+        let is_fraction = |field: &[u8]| {
+            let comma = memchr::memchr(b',', field);
+            comma.is_some_and(|at| at + 1 < field.len())
+                && number::parse(field, NOTATIONS[1]).is_some()
+        };
+        let is_pair = |row: &SampleRow| {
+            matches!(&row.fields[..], [word, number]
+                if self.cell(word) == Cell::Word && is_fraction(number))
+        };
+        for (between, by) in [(Between::Byte(b'|'), "bars"), (Between::Blanks, "blanks")] {
+            let other = divide(text, Syntax { between, ..self.syntax }, is_last, line).rows;
+            let is_whole = other.len() == rows.len() && other[0].fields.len() == names;
+            if is_whole && other[data..].iter().all(is_pair) {
+                let (separator, decimal) = (option("separator"), option("decimal"));
+                return Err(self.fail(
+                    other[data].line,
+                    format!(
+                        "{} is a word and a number between commas, or between {by} with a decimal \
+                         comma: {separator} or {decimal} decides",
+                        excerpt(text[other[data].start..other[data].end].trim_ascii())
+                    ),
+                ));
+            }
+        }
+        Ok(())
     }
 
     /// Returns whether the rows below a header of one name are pairs between commas that are

@@ -2,7 +2,7 @@
 
 use super::missing::MissingWords;
 use super::number::{self, Readings};
-use super::splitter::{Found, Splitter, Syntax};
+use super::splitter::{Between, Found, Splitter, Syntax};
 
 /// Most records that are looked at.
 const MOST: usize = 1000;
@@ -20,6 +20,8 @@ pub(super) struct SampleRow {
     pub quotes: usize,
     /// Whether it begins with one of them.
     pub begins_quoted: bool,
+    /// Whether its first field goes on behind its closing quote, as no writer leaves it.
+    pub is_torn: bool,
 }
 
 impl SampleRow {
@@ -69,6 +71,32 @@ impl Cell {
     }
 }
 
+fn is_torn(record: &[u8], syntax: Syntax) -> bool {
+    let Some(mut rest) = record.trim_ascii_start().strip_prefix(b"\"") else { return false };
+    loop {
+        let Some(end) = memchr::memchr(b'"', rest) else { return false };
+        rest = &rest[end + 1..];
+        // Two quotes are one of the field.
+        match rest.strip_prefix(b"\"") {
+            Some(more) => rest = more,
+            None => break,
+        }
+    }
+    let next = match syntax.between {
+        Between::Byte(_) => rest.iter().find(|&&byte| byte != b' '),
+        Between::Blanks => rest.first(),
+    };
+    next.is_some_and(|&byte| {
+        let is_comment = syntax.has_trailing_comments && byte == syntax.comment;
+        let ends = byte == b'\r' || byte == syntax.line_end || is_comment;
+        !ends
+            && match syntax.between {
+                Between::Byte(separator) => byte != separator,
+                Between::Blanks => !byte.is_ascii_whitespace(),
+            }
+    })
+}
+
 /// Divides a text, which begins with line `line`, into records.
 pub(super) fn divide(text: &[u8], syntax: Syntax, is_last: bool, mut line: usize) -> Sample {
     let mut splitter = Splitter::new(syntax);
@@ -87,7 +115,8 @@ pub(super) fn divide(text: &[u8], syntax: Syntax, is_last: bool, mut line: usize
                 let quotes = memchr::memchr_iter(b'"', &rest[..bytes]).count();
                 let begins_quoted = rest.trim_ascii_start().first() == Some(&b'"');
                 let fields = fields.collect();
-                rows.push(SampleRow { line, start, end, fields, quotes, begins_quoted });
+                let is_torn = is_torn(&rest[..bytes], syntax);
+                rows.push(SampleRow { line, start, end, fields, quotes, begins_quoted, is_torn });
             }
         }
         line += memchr::memchr_iter(syntax.line_end, &rest[..bytes]).count();

@@ -99,9 +99,9 @@ fn has_quotes_below_header(text: &[u8]) -> bool {
 const MARGIN: f64 = 1e-9;
 
 /// Returns how well a separator divides the rows, from 0 to 3.5: the share of rows of the usual
-/// width, the share of fields that are numbers or missing, up to 1 if there are several fields, and
-/// a half if the first row, which may be a header, has as many, or one less but several: names of
-/// rows may have none. Numbers in the first row break ties.
+/// width whose first field ends with its quotes, the share of fields that are numbers or missing,
+/// up to 1 if there are several fields, and a half if the first row, which may be a header, has as
+/// many, or one less but several: names of rows may have none. Numbers in the first row break ties.
 fn score(sample: &Sample, missing: &MissingWords, is_given: bool) -> f64 {
     let rows = &sample.rows;
     if rows.is_empty() {
@@ -109,7 +109,7 @@ fn score(sample: &Sample, missing: &MissingWords, is_given: bool) -> f64 {
     }
     let width = width(sample);
     let data = if rows.len() > 1 { &rows[1..] } else { &rows[..] };
-    let even = data.iter().filter(|row| row.fields.len() == width).count();
+    let even = data.iter().filter(|row| row.fields.len() == width && !row.is_torn).count();
     let (mut fields, mut numbers) = (0_usize, 0_usize);
     for field in data.iter().flat_map(|row| &row.fields) {
         fields += 1;

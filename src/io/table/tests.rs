@@ -274,6 +274,29 @@ fn other_notations_are_read_when_the_file_decides() {
 }
 
 #[test]
+fn words_before_decimal_commas_are_divided_by_their_quotes_or_an_option() {
+    let rows: &[&[f64]] = &[&[1.5], &[2.25], &[3.5]];
+    for separator in ["|", " ", ";", "\t"] {
+        let lines = [("a", "1,5"), ("b", "2,25"), ("c", "3,5")]
+            .map(|(word, number)| format!("\"{word}\"{separator}{number}\n"));
+        let reading = check("\"x\"\n".to_owned() + &lines.concat(), &auto(), rows, &["x"]);
+        assert!(reading.index && reading.decimal == ',', "{reading}");
+    }
+    let by = |separator: char| options(TableOptions::new().separator(Separator::from(separator)));
+    for (text, other) in [("x\na|1,5\nb|2,25\n", '|'), ("x\na 1,5\nb 2,25\n", ' ')] {
+        refused(text, &auto(), 2, &["between commas, or between b", "`separator`", "`decimal`"]);
+        let commas = options(TableOptions::new().decimal(','));
+        for options in [&commas, &by(other)] {
+            check(text, options, &[&[1.5], &[2.25]], &["x"]);
+        }
+        check(text, &by(','), &[&[5.0], &[25.0]], &["x"]);
+    }
+    refused("Route 66,5\nRoute 7,8\n", &auto(), 1, &["`separator`"]);
+    let named = "n,x\nRoute 66,5\nRoute 7,8\n";
+    assert_eq!(check(named, &auto(), &[&[5.0], &[8.0]], &["x"]).left_out, ["n"]);
+}
+
+#[test]
 fn separators_and_comments_of_every_kind_are_read() {
     let names = &["a", "b"][..];
     for text in [
@@ -396,6 +419,17 @@ fn the_content_says_what_a_name_does_not() {
         packed.write_all(text).unwrap();
         packed.finish().unwrap()
     };
+    let zip = |text: &[u8]| {
+        let mut archive = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+        let options = zip::write::SimpleFileOptions::default();
+        archive.start_file("a", options).unwrap();
+        archive.write_all(text).unwrap();
+        archive.finish().unwrap().into_inner()
+    };
+    #[cfg(feature = "columnar")]
+    let zstd = |text: &[u8]| {
+        ruzstd::encoding::compress_to_vec(text, ruzstd::encoding::CompressionLevel::Fastest)
+    };
     let folder = Folder::new();
     let text = b"a;b\n1;2\n3;5\n4;4\n";
     let array = npy("<f4", "False", "(1, 2)", &[0; 8]);
@@ -410,6 +444,14 @@ fn the_content_says_what_a_name_does_not() {
         ("packed.dat.gz", gzip(text), 3),
         ("array", array.clone(), 1),
         ("array.dat", gzip(&array), 1),
+        ("zipped.csv", zip(text), 3),
+        ("zipped.csv.zip", zip(text), 3),
+        ("array.zip", zip(&array), 1),
+        ("zipped.csv.gz", zip(text), 3),
+        #[cfg(feature = "columnar")]
+        ("packed.csv.zst", zstd(text), 3),
+        #[cfg(feature = "columnar")]
+        ("array.gz", zstd(&array), 1),
         ("market", market.to_vec(), 1),
     ] {
         let found = read_file(&folder.file(name, bytes), &auto()).unwrap();
@@ -418,13 +460,14 @@ fn the_content_says_what_a_name_does_not() {
     let format = auto().format(FileFormat::Table);
     let said = read_file(&folder.file("a.npy", text), &format).map(|found| found.names);
     assert_eq!(said.unwrap(), ["a", "b"]);
-    for (name, bytes) in [
-        ("zstd", &b"\x28\xb5\x2f\xfd....."[..]),
-        ("bzip2", b"BZh91AY&SY"),
-        ("zip", b"PK\x03\x04...."),
+    for (bytes, why) in [
+        (&b"BZh91AY&SY"[..], "a.csv: is packed by bzip2 ("),
+        (b"PK\x03\x04....", "a.csv: damaged .zip file"),
+        #[cfg(not(feature = "columnar"))]
+        (b"\x28\xb5\x2f\xfd.....", "build it with --features columnar"),
     ] {
         let said = read_file(&folder.file("a.csv", bytes), &auto()).unwrap_err().to_string();
-        assert!(said.contains(&format!("a.csv: is packed by {name} (")), "{said}");
+        assert!(said.contains(why), "{said}");
     }
 }
 

@@ -134,6 +134,12 @@ impl Plan {
         matches!(self.strategy, Strategy::Exact(_))
     }
 
+    /// Returns whether the calling thread computes all of the product, however many threads there
+    /// are: it ends before they could share it.
+    pub fn is_direct(&self) -> bool {
+        matches!(self.strategy, Strategy::Direct(_))
+    }
+
     /// Returns whether some product is computed with fewer multiplications than the classical
     /// count. At run time the norms of the columns may still forbid that.
     ///

@@ -67,6 +67,8 @@ def main():
     missing = pa.table(MISSING)
     write("missing", missing, compression="none", use_dictionary=False, data_page_version="2.0")
     feather.write_feather(missing, HERE / "missing.arrow", compression="uncompressed", chunksize=20)
+    nulls = pa.table({"nothing": pa.nulls(12345)})
+    feather.write_feather(nulls, HERE / "nulls.arrow", compression="uncompressed")
     numbers = pa.table({name: KINDS[name] for name in ("f64", "i32")} | {"word": OTHERS["word"]})
     for codec in ("snappy", "gzip", "zstd", "lz4", "brotli"):
         write(codec, numbers, compression=codec)

@@ -13,20 +13,15 @@ pub(super) const LOOK: usize = 1 << 16;
 /// of their own.
 const LEAST_KNOWN: usize = 8;
 
-const GZIP: &[u8] = b"\x1f\x8b";
-const XZ: &[u8] = b"\xfd7zXZ\0";
-
 /// Returns the packing of a file that begins with `head`; the name of the file says `named`.
 pub(super) fn packing(head: &[u8], named: Packing) -> Packing {
     // First, because a mesh may be an archive itself (3MF).
     if format(head, None).is_some() {
-        Packing::None
-    } else if head.starts_with(GZIP) {
-        Packing::Gzip
-    } else if head.starts_with(XZ) {
-        Packing::Xz
-    } else {
-        named
+        return Packing::None;
+    }
+    match Packing::of_content(head) {
+        Packing::None => named,
+        found => found,
     }
 }
 

@@ -1,5 +1,6 @@
 //! Mesh files: reads and writes OBJ, PLY, OFF, STL, glTF, legacy VTK, GIFTI and 3MF, also gzipped
-//! (`.gz`), and reads VTK's XML, FreeSurfer and Gmsh, and `.xz`.
+//! (`.gz`), reads VTK's XML, FreeSurfer and Gmsh, and `.xz`, `.zip` and (feature `columnar` of
+//! catamaran) `.zst`.
 //!
 //! A reader does not trust the file: counts in a header reserve no memory before the bytes are
 //! read, an error names the file and the line or the element, and a file that needs more memory
@@ -144,7 +145,7 @@ pub fn read_with(path: &Path, options: &SourceOptions<'_>) -> Result<MeshFile> {
     }
     let mut notes = Vec::new();
     if source.packing() != named_packing {
-        notes.push(format!("{}, although its name says otherwise", packed(source.packing())));
+        notes.push(format!("{}, although its name says otherwise", source.packing()));
     }
     let format = match (named, found) {
         (Some(named), Some(detected)) if named.title() != detected.title() => {
@@ -179,14 +180,6 @@ pub fn rows_of_guide() -> String {
 
 fn empty(path: &Path) -> Error {
     Error::file(path, "is empty: it has 0 bytes")
-}
-
-fn packed(packing: Packing) -> &'static str {
-    match packing {
-        Packing::None => "not packed",
-        Packing::Gzip => "packed by gzip",
-        Packing::Xz => "packed by xz",
-    }
 }
 
 /// Reads the mesh in `bytes`, which are not packed, like a file.
@@ -494,7 +487,7 @@ fn write_packed(
                 flate2::write::GzEncoder::new(&mut output, flate2::Compression::default());
             body(&mut encoder).and_then(|()| encoder.finish().map(|_| ()))
         }
-        Packing::Xz => Err(std::io::Error::other(".xz files can only be read; write .gz instead")),
+        other => Err(std::io::Error::other(only_read(other))),
     };
     written.map_err(|e| output.error(e))?;
     output.commit()
@@ -514,7 +507,11 @@ fn write_packed(
 pub fn check_name(path: &Path) -> Result<()> {
     MeshFormat::of(path)?;
     match MeshFormat::named(path) {
-        (_, Packing::Xz) => Err(Error::file(path, ".xz files can only be read; write .gz instead")),
-        _ => Ok(()),
+        (_, Packing::None | Packing::Gzip) => Ok(()),
+        (_, other) => Err(Error::file(path, only_read(other))),
     }
+}
+
+fn only_read(packing: Packing) -> String {
+    format!("{} files can only be read; write .gz instead", packing.ending())
 }

@@ -44,8 +44,8 @@ impl PlantFormat {
             Some("mtg") => Self::Mtg,
             Some("obj") => Self::Obj,
             _ => {
-                let what = "unknown kind of plant: the name must end in .txt, .swc, .mtg or .obj, and may have .gz or .xz \
-                            after it";
+                let what = "unknown kind of plant: the name must end in .txt, .swc, .mtg or .obj, \
+                            and may have .gz, .xz, .zst or .zip after it";
                 return Err(Error::file(path, what));
             }
         };
@@ -54,7 +54,7 @@ impl PlantFormat {
 }
 
 /// Reads the plant in the file at `path`, in the format that its name implies; the file may be
-/// packed (`.gz`, `.xz`).
+/// packed (`.gz`, `.xz`, `.zip`, or `.zst` with feature `columnar` of catamaran).
 ///
 /// ```
 /// # let folder = tempfile::tempdir().unwrap();

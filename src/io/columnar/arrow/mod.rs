@@ -17,7 +17,7 @@ use self::flat::Table;
 use self::schema::{Column, Entry, Extent};
 use self::values::{Numbers, Values};
 use super::fault::Fault;
-use super::store::{ColumnReader, Field, Store};
+use super::store::{ColumnReader, Contents, Store};
 use super::words::Words;
 use crate::base::Error;
 use crate::io::source::{error, error_at};
@@ -42,10 +42,9 @@ type Dictionary = Vec<Option<Vec<u8>>>;
 /// An open Arrow file.
 pub struct ArrowStore {
     path: PathBuf,
+    contents: Contents,
     columns: Vec<Column>,
-    fields: Vec<Field>,
     batches: Vec<Batch>,
-    groups: Vec<usize>,
     /// The parts of each dictionary, in order.
     parts: HashMap<i64, Vec<Batch>>,
     /// The dictionaries that were read.
@@ -124,12 +123,12 @@ impl ArrowStore {
             }
             known.push(batch);
         }
+        let fields = columns.iter().map(|column| column.field.clone()).collect();
         Ok(Self {
             path: path.into(),
-            fields: columns.iter().map(|column| column.field.clone()).collect(),
+            contents: Contents { fields, groups, group_name: "record batch" },
             columns,
             batches,
-            groups,
             parts,
             dictionaries: Mutex::default(),
             limit,
@@ -168,16 +167,8 @@ impl ArrowStore {
 }
 
 impl Store for ArrowStore {
-    fn fields(&self) -> &[Field] {
-        &self.fields
-    }
-
-    fn groups(&self) -> &[usize] {
-        &self.groups
-    }
-
-    fn group_name(&self) -> &'static str {
-        "record batch"
+    fn contents(&self) -> &Contents {
+        &self.contents
     }
 
     fn column(
@@ -191,12 +182,7 @@ impl Store for ArrowStore {
         let place = self.batches[group].place(self.before(field), extent)?;
         let numbers = match (words, &entry, dictionary) {
             (Some(words), Entry::Coded(_, id), Some(stored)) => {
-                let dictionary = self.dictionary(*id, stored)?;
-                let mut numbering = words.numbering();
-                let number = |word: &Option<Vec<u8>>| {
-                    word.as_ref().map(|word| numbering.number(word)).transpose()
-                };
-                Numbers::Coded(dictionary.iter().map(number).collect::<Result<_, Fault>>()?)
+                Numbers::Coded(words.of_dictionary(&self.dictionary(*id, stored)?)?)
             }
             (Some(words), ..) => Numbers::Of(words.clone()),
             (None, ..) => Numbers::None,

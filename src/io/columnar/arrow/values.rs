@@ -30,7 +30,7 @@ pub enum Numbers {
     None,
     Of(Arc<Words>),
     /// Of the words of a dictionary, which may have missing ones.
-    Coded(Vec<Option<i32>>),
+    Coded(Arc<[Option<i32>]>),
 }
 
 impl Values {

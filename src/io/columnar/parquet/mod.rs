@@ -16,7 +16,7 @@ use self::guard::guarded;
 use self::numbers::Entry;
 use self::pages::Pages;
 use super::fault::Fault;
-use super::store::{ColumnReader, Field, Kind, Store};
+use super::store::{ColumnReader, Contents, Field, Kind, Store};
 use super::words::Words;
 use crate::base::Error;
 use crate::io::source::{error, error_at};
@@ -25,10 +25,9 @@ use crate::io::source::{error, error_at};
 pub struct ParquetStore {
     path: PathBuf,
     metadata: ParquetMetaData,
-    fields: Vec<Field>,
+    contents: Contents,
     /// The column of the file that a field is, and what its entries are.
     leaves: Vec<Option<(usize, Entry)>>,
-    groups: Vec<usize>,
     /// Bytes that a page may take.
     limit: u64,
 }
@@ -81,21 +80,14 @@ impl ParquetStore {
                 })?;
             }
         }
-        Ok(Self { path: path.into(), metadata, fields, leaves, groups, limit })
+        let contents = Contents { fields, groups, group_name: "row group" };
+        Ok(Self { path: path.into(), metadata, contents, leaves, limit })
     }
 }
 
 impl Store for ParquetStore {
-    fn fields(&self) -> &[Field] {
-        &self.fields
-    }
-
-    fn groups(&self) -> &[usize] {
-        &self.groups
-    }
-
-    fn group_name(&self) -> &'static str {
-        "row group"
+    fn contents(&self) -> &Contents {
+        &self.contents
     }
 
     fn column(
@@ -109,7 +101,8 @@ impl Store for ParquetStore {
         };
         let file = File::open(&self.path).map_err(|e| e.to_string())?;
         let column = self.metadata.row_group(group).column(leaf);
-        let pages = Pages::new(file, column, self.groups[group], self.limit, words.cloned())?;
+        let rows = self.contents.groups[group];
+        let pages = Pages::new(file, column, rows, self.limit, words.cloned())?;
         numbers::open(column.column_descr_ptr(), pages, entry)
     }
 }
