@@ -355,6 +355,33 @@ inline functional_map map_from_points(std::vector<std::uint32_t> points, const b
     return found;
 }
 
+/// The map of products of eigenfunctions that a map of the eigenfunctions implies, column by
+/// column, or by least squares `of_all` products: cata_map_of_products. It has no points.
+inline functional_map map_of_products(matrix_view<const double> map, const basis& source_eigen,
+                                      const basis& target_eigen, const basis& source,
+                                      const basis& target, bool of_all = false,
+                                      const basis_options& how = {}) {
+    detail::require_map(map, source_eigen, target_eigen);
+    functional_map found{target.size(), source.size(), {}, {}};
+    found.entries.resize(found.rows * found.cols);
+    // Its layout holds for the result too, whose transpose is the same matrix in the other one.
+    std::vector<double> whole(found.entries.size());
+    const matrix_view<const double> view{whole.data(), found.rows, found.cols,
+                                         detail::gapless(map.order, found.rows, found.cols),
+                                         map.order};
+    detail::basis_call call(how);
+    call.finish(cata_map_of_products(source_eigen.get(), target_eigen.get(), source.get(),
+                                     target.get(), static_cast<std::int32_t>(map.order), map.data,
+                                     map.leading, of_all ? 1 : 0, whole.data(), view.leading,
+                                     call.params()));
+    for (std::size_t j = 0; j < found.cols; ++j) {
+        for (std::size_t i = 0; i < found.rows; ++i) {
+            found.entries[i + j * found.rows] = view(i, j);
+        }
+    }
+    return found;
+}
+
 /// Functions on the source mesh, one a column, as functions on the target mesh, in the same layout
 /// without gaps, along points and through products: cata_transfer.
 inline std::vector<double> transfer(const basis& source, const basis& target,
