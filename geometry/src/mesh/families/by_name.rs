@@ -1,5 +1,7 @@
-use super::{cylinder, disk, figure, genus, grid, icosphere, knot, terrain, torus};
-use crate::mesh::TriMesh;
+use super::super::TriMesh;
+use super::closed::{genus, icosphere, knot, torus};
+use super::figure::figure;
+use super::flat::{cylinder, disk, grid, terrain};
 use catamaran::base::{Error, Result};
 
 /// Generates the mesh of a family by the name of its function, with the arguments of the function:
