@@ -1,6 +1,6 @@
 // From a mesh file to spectra, distances and fewer vertices: repairs a mesh, or a broken torus, and
 // writes OUTPUT.csv (the distance from a vertex and eigenfunctions, a line for each vertex) and
-// OUTPUT.ply (a quarter of the vertices).
+// OUTPUT.ply (a quarter of the vertices). python/examples/mesh.py does the same from Python.
 //
 //     mesh [OUTPUT [INPUT]]
 

@@ -17,6 +17,7 @@
 #include "catamaran/accumulator.hpp"
 #include "catamaran/cholesky.hpp"
 #include "catamaran/meshes.hpp"
+#include "catamaran/surfaces.hpp"
 #include "catamaran/eigs.hpp"
 #include "catamaran/laplacians.hpp"
 #include "catamaran/distances.hpp"

@@ -60,12 +60,13 @@ impl cata_basis {
         self.functions.eigen(what)
     }
 
-    fn products(&self, what: &str) -> Result<&ProductBasis, Failure> {
+    /// Returns the products, or an error for a basis of eigenfunctions.
+    pub(super) fn products(&self, what: &str) -> Result<&ProductBasis, Failure> {
         match &*self.functions {
             Functions::Products(products) => Ok(products),
             Functions::Eigen(_) => Err(Failure::new(
                 CATA_ERR_ARGUMENT,
-                format!("{what}: must be NULL for a basis of cata_basis_new"),
+                format!("{what}: needs a basis of cata_basis_products, not of cata_basis_new"),
             )),
         }
     }

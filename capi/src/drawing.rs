@@ -1,12 +1,12 @@
 use super::boundary::boundary;
 use super::curve::{cata_curve_params, options, outcome_value};
-use super::outputs::{fill_slice, hand_over, tell};
+use super::outputs::{fill_room, fill_slice, hand_over, tell};
 use super::params::{Params, flag, read_or_zeros};
 use super::pointer::{
     check_size, free, known, known_mut, mesh, optional_output, optional_slice_mut, output, slice,
     slice_mut,
 };
-use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_SHAPE, Failure, cata_status};
+use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use catamaran_geometry::curve::{Drawing, Drawn};
 
 /// Layers of curves on one mesh: those of one layer do not meet, those of several may cross. Made
@@ -228,13 +228,7 @@ pub unsafe extern "C" fn cata_drawn_edges(
             return Err(Failure::new(CATA_ERR_ARGUMENT, why));
         };
         let edges: Vec<[u32; 2]> = curves.iter().flat_map(|curve| curve.edges()).collect();
-        if let Some(along) = along {
-            if edges.len() > room {
-                let why = format!("room: must be at least {} (edges), is {room}", edges.len());
-                return Err(Failure::new(CATA_ERR_SHAPE, why));
-            }
-            along[..2 * edges.len()].copy_from_slice(edges.as_flattened());
-        }
+        fill_room("edges", along, room, &edges)?;
         *count = edges.len();
         Ok(())
     })

@@ -24,7 +24,7 @@ use super::progress::{cata_progress, par, reported};
 use super::status::{Failure, cata_status};
 use catamaran::Error;
 use catamaran::sparse::{
-    CsMatView, EigenOptions, Eigenpairs, Mass, count_below, eigs, eigs_sliced,
+    CsMatView, EigenOptions, Eigenpairs, Mass, count_below, eigs, eigs_sliced, eigs_two_level,
 };
 use catamaran_geometry::mesh::{Boundary, LaplacianKind, LaplacianOptions, MassKind};
 
@@ -188,6 +188,55 @@ pub unsafe extern "C" fn cata_eigs_sliced(
         };
         // SAFETY: the caller's promise.
         unsafe { with_eigen_options(k, params, work) }
+    })
+}
+
+/// Computes the k smallest eigenpairs as those of cata_eigs, approximately, from those of a smaller
+/// problem, P^T W P and P^T M P, which are smoothed. Eigenvalues are never too small; `residuals`
+/// bound how far they are too large, widely. cata_decimation_eigs does this for meshes.
+///
+/// - `coarse`: columns of P, at least k.
+/// - `p_row_starts`, `p_columns`, `p_entries`: P, n x coarse, by rows as W: the vectors of the
+///   problem that those of the smaller one stand for.
+/// - `params`: `has_shift` and `verify_count` must be 0, and `tolerance` is not used.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_eigs_two_level(
+    n: usize,
+    row_starts: *const usize,
+    columns: *const usize,
+    entries: *const f64,
+    masses: *const f64,
+    coarse: usize,
+    p_row_starts: *const usize,
+    p_columns: *const usize,
+    p_entries: *const f64,
+    k: usize,
+    eigenvalues: *mut f64,
+    eigenvectors: *mut f64,
+    ldv: usize,
+    residuals: *mut f64,
+    params: *const cata_eigs_params,
+) -> cata_status {
+    boundary(|| {
+        let of_p = |Failure { status, message }| Failure::new(status, format!("P: {message}"));
+        // SAFETY: the caller's promise.
+        let ((stiffness, masses), p, outputs) = unsafe {
+            (
+                pencil(n, row_starts, columns, entries, masses)?,
+                sparse(n, coarse, p_row_starts, p_columns, p_entries).map_err(of_p)?,
+                Outputs::new(n, k, eigenvalues, eigenvectors, ldv, residuals)?,
+            )
+        };
+        let work = |options: &EigenOptions<'_>, _: &LaplacianOptions| {
+            Ok(eigs_two_level(stiffness, &masses, p, options)?)
+        };
+        // SAFETY: the caller's promise.
+        let pairs = unsafe { with_eigen_options(k, params, work) }?;
+        outputs.write(&pairs.values, pairs.vectors.as_ref(), &pairs.residuals);
+        Ok(())
     })
 }
 

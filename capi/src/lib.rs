@@ -34,6 +34,8 @@ mod version;
 #[cfg(feature = "chapters")]
 mod accumulator;
 #[cfg(feature = "chapters")]
+mod ata_plan;
+#[cfg(feature = "chapters")]
 mod ata_sparse;
 #[cfg(feature = "chapters")]
 mod basis;
@@ -58,6 +60,8 @@ mod eigs;
 #[cfg(feature = "chapters")]
 mod filter;
 #[cfg(feature = "chapters")]
+mod generated;
+#[cfg(feature = "chapters")]
 mod gram;
 #[cfg(feature = "chapters")]
 mod laplacian;
@@ -65,6 +69,8 @@ mod laplacian;
 mod lstsq;
 #[cfg(feature = "chapters")]
 mod map;
+#[cfg(feature = "chapters")]
+mod measures;
 #[cfg(feature = "chapters")]
 mod mesh;
 #[cfg(feature = "chapters")]
@@ -95,6 +101,8 @@ mod slime;
 mod surface_region;
 #[cfg(feature = "chapters")]
 mod table;
+#[cfg(feature = "chapters")]
+mod topology;
 #[cfg(feature = "chapters")]
 mod transfer;
 #[cfg(feature = "chapters")]
@@ -130,6 +138,8 @@ pub use version::*;
 #[cfg(feature = "chapters")]
 pub use accumulator::*;
 #[cfg(feature = "chapters")]
+pub use ata_plan::*;
+#[cfg(feature = "chapters")]
 pub use ata_sparse::*;
 #[cfg(feature = "chapters")]
 pub use basis::*;
@@ -152,6 +162,8 @@ pub use eigs::*;
 #[cfg(feature = "chapters")]
 pub use filter::*;
 #[cfg(feature = "chapters")]
+pub use generated::*;
+#[cfg(feature = "chapters")]
 pub use gram::*;
 #[cfg(feature = "chapters")]
 pub use laplacian::*;
@@ -159,6 +171,8 @@ pub use laplacian::*;
 pub use lstsq::*;
 #[cfg(feature = "chapters")]
 pub use map::*;
+#[cfg(feature = "chapters")]
+pub use measures::*;
 #[cfg(feature = "chapters")]
 pub use mesh::*;
 #[cfg(feature = "chapters")]
@@ -187,6 +201,8 @@ pub use slime::*;
 pub use surface_region::*;
 #[cfg(feature = "chapters")]
 pub use table::*;
+#[cfg(feature = "chapters")]
+pub use topology::*;
 #[cfg(feature = "chapters")]
 pub use transfer::*;
 #[cfg(feature = "chapters")]

@@ -5,15 +5,18 @@ use faer::MatRef;
 use super::basis::{Functions, cata_basis, cata_basis_params, with_basis_options};
 use super::boundary::boundary;
 use super::outputs::{fill_slice, hand_over};
+use super::params::flag;
 use super::pointer::{
     Layout, check_size, free, known, known_mut, matrix, matrix_mut, output, slice, slice_mut,
 };
 use super::progress::reported;
 use super::status::{Failure, cata_status};
 use catamaran::Par;
-use catamaran_geometry::spectral::Eigenbasis;
 use catamaran_geometry::spectral::functional_map::{
     Correspondences, MapFit, Refined, icp, map_from_points, points_from_map, zoomout,
+};
+use catamaran_geometry::spectral::{
+    Eigenbasis, ProductMap, transform_by_columns, transform_of_all_products,
 };
 
 /// A functional map C between two bases of cata_basis_new that is being fitted: r_target x
@@ -307,6 +310,63 @@ pub unsafe extern "C" fn cata_map_points(
         points.copy_from_slice(&unsafe {
             with_basis_options(params, |options| {
                 Ok(points_from_map(c, source, target, options.par, options.progress)?)
+            })
+        }?);
+        Ok(())
+    })
+}
+
+/// Computes the map O of products of eigenfunctions, r_target x r_source, that a map C of the
+/// eigenfunctions implies, since T(f g) = T(f) T(g) (thesis, section 1.3.3). The matrix of all
+/// products is not in memory. C must be nearly exact; from points, cata_map_from_points of the
+/// products is more accurate.
+///
+/// - `source_eigen`, `target_eigen`: of cata_basis_new, the constants among them; `c`: between them.
+/// - `source`, `target`: of cata_basis_products of these, with the same order; `o`: written.
+/// - `of_all`: 0: column by column, of the products that are kept (equation 1.18). 1: the least
+///   squares over all products (equation 1.16).
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_map_of_products(
+    source_eigen: *const cata_basis,
+    target_eigen: *const cata_basis,
+    source: *const cata_basis,
+    target: *const cata_basis,
+    layout: i32,
+    c: *const f64,
+    ldc: usize,
+    of_all: i32,
+    o: *mut f64,
+    ldo: usize,
+    params: *const cata_basis_params,
+) -> cata_status {
+    boundary(|| {
+        let layout = Layout::new(layout)?;
+        // SAFETY: the caller's promise.
+        let (from, to, source, target) = unsafe {
+            (
+                known("source_eigen", source_eigen)?.eigen("source_eigen")?,
+                known("target_eigen", target_eigen)?.eigen("target_eigen")?,
+                known("source", source)?.products("source")?,
+                known("target", target)?.products("target")?,
+            )
+        };
+        // SAFETY: the caller's promise.
+        let (c, mut o) = unsafe {
+            let c = matrix("c", layout, to.len(), from.len(), c, ldc)?;
+            (c, matrix_mut("o", layout, target.len(), source.len(), o, ldo)?)
+        };
+        let transform =
+            if flag("of_all", of_all)? { transform_of_all_products } else { transform_by_columns };
+        // SAFETY: the caller's promise.
+        o.copy_from(&unsafe {
+            with_basis_options(params, |options| {
+                reported(options.progress, || {
+                    let map = ProductMap::new(c, from, to, source.products().order())?;
+                    transform(&map, source, target, options.par)
+                })
             })
         }?);
         Ok(())

@@ -17,8 +17,10 @@ use super::boundary::boundary;
 use super::eigs::{Outputs, cata_eigs_params, cata_eigs_slice, sink, with_eigen_options};
 use super::pointer::{mesh, optional_slice_mut, output, slice, slice_mut};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
-use catamaran::sparse::{EigenOptions, Mass, eigs, eigs_sliced};
-use catamaran_geometry::mesh::{Boundary, LaplacianOptions, MassKind, free_components, laplacian};
+use catamaran::sparse::{EigenOptions, Eigenpairs, Mass, eigs, eigs_sliced};
+use catamaran_geometry::mesh::{
+    Boundary, Laplacian, LaplacianOptions, MassKind, TriMesh, free_components, laplacian,
+};
 use catamaran_geometry::unions::PartSpectra;
 
 /// Counts the eigenvalues of the Laplacian of a triangle mesh that are 0: one for each connected
@@ -80,33 +82,14 @@ pub unsafe extern "C" fn cata_mesh_eigs(
     params: *const cata_eigs_params,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
-        let (mesh, outputs, masses) = unsafe {
-            (
-                mesh(n_vertices, vertices, n_faces, faces)?,
-                Outputs::new(n_vertices, k, eigenvalues, eigenvectors, ldv, residuals)?,
-                optional_slice_mut("masses", masses, n_vertices)?,
-            )
-        };
-        let wants_masses = masses.is_some();
-        let work = |options: &EigenOptions<'_>, of: &LaplacianOptions| {
-            if wants_masses && of.mass == MassKind::Consistent {
-                let why = "masses: must be NULL with CATA_MASS_CONSISTENT, which is no diagonal";
-                return Err(Failure::new(CATA_ERR_ARGUMENT, why));
-            }
-            let operator = laplacian(&mesh, of)?;
-            let pairs = eigs(operator.stiffness.view(), &operator.mass, options)?;
-            Ok((operator, pairs))
+        let find = |operator: &Laplacian, _: &LaplacianOptions, options: &EigenOptions<'_>| {
+            Ok(eigs(operator.stiffness.view(), &operator.mass, options)?)
         };
         // SAFETY: the caller's promise.
-        let (operator, pairs) = unsafe { with_eigen_options(k, params, work) }?;
-        let vectors = operator.extend(pairs.vectors.as_ref())?;
-        outputs.write(&pairs.values, vectors.as_ref(), &pairs.residuals);
-        if let (Some(masses), Mass::Lumped(found)) = (masses, &operator.mass) {
-            masses.fill(0.0);
-            operator.kept.iter().zip(found).for_each(|(&vertex, mass)| masses[vertex] = *mass);
+        unsafe {
+            let mesh = mesh(n_vertices, vertices, n_faces, faces)?;
+            write_eigs(&mesh, k, eigenvalues, eigenvectors, ldv, residuals, masses, params, find)
         }
-        Ok(())
     })
 }
 
@@ -196,4 +179,48 @@ pub unsafe extern "C" fn cata_mesh_part_eigenvalues(
         eigenvalues.copy_from_slice(&unsafe { with_eigen_options(k, params, work) }?);
         Ok(())
     })
+}
+
+/// Writes the pairs that `find` returns for the Laplacian of a mesh, as cata_mesh_eigs does.
+///
+/// # Safety
+/// The pointers are as the header describes them there.
+pub(super) unsafe fn write_eigs(
+    mesh: &TriMesh,
+    k: usize,
+    eigenvalues: *mut f64,
+    eigenvectors: *mut f64,
+    ldv: usize,
+    residuals: *mut f64,
+    masses: *mut f64,
+    params: *const cata_eigs_params,
+    find: impl FnOnce(&Laplacian, &LaplacianOptions, &EigenOptions<'_>) -> Result<Eigenpairs, Failure>,
+) -> Result<(), Failure> {
+    let n = mesh.vertices().len();
+    // SAFETY: passed on to the caller.
+    let (outputs, masses) = unsafe {
+        (
+            Outputs::new(n, k, eigenvalues, eigenvectors, ldv, residuals)?,
+            optional_slice_mut("masses", masses, n)?,
+        )
+    };
+    let wants_masses = masses.is_some();
+    let work = |options: &EigenOptions<'_>, of: &LaplacianOptions| {
+        if wants_masses && of.mass == MassKind::Consistent {
+            let why = "masses: must be NULL with CATA_MASS_CONSISTENT, which is no diagonal";
+            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+        }
+        let operator = laplacian(mesh, of)?;
+        let pairs = find(&operator, of, options)?;
+        Ok((operator, pairs))
+    };
+    // SAFETY: passed on to the caller.
+    let (operator, pairs) = unsafe { with_eigen_options(k, params, work) }?;
+    let vectors = operator.extend(pairs.vectors.as_ref())?;
+    outputs.write(&pairs.values, vectors.as_ref(), &pairs.residuals);
+    if let (Some(masses), Mass::Lumped(found)) = (masses, &operator.mass) {
+        masses.fill(0.0);
+        operator.kept.iter().zip(found).for_each(|(&vertex, mass)| masses[vertex] = *mass);
+    }
+    Ok(())
 }

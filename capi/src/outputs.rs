@@ -8,7 +8,7 @@ use faer::{MatMut, MatRef};
 #[cfg(feature = "chapters")]
 use super::pointer::optional_slice_mut;
 #[cfg(feature = "chapters")]
-use super::status::Failure;
+use super::status::{CATA_ERR_SHAPE, Failure};
 #[cfg(feature = "chapters")]
 use catamaran_geometry::mesh::TriMesh;
 
@@ -29,6 +29,23 @@ pub(super) fn fill_slice<T: Copy + Default>(place: Option<&mut [T]>, found: &[T]
         place[found.len()..].fill(T::default());
         place[..found.len()].copy_from_slice(found);
     }
+}
+
+/// Writes elements of W values where they are wanted and there is room for so many.
+#[cfg(feature = "chapters")]
+pub(super) fn fill_room<T: Copy, const W: usize>(
+    what: &str,
+    place: Option<&mut [T]>,
+    room: usize,
+    found: &[[T; W]],
+) -> Result<(), Failure> {
+    let Some(place) = place else { return Ok(()) };
+    if found.len() > room {
+        let why = format!("room: must be at least {} ({what}), is {room}", found.len());
+        return Err(Failure::new(CATA_ERR_SHAPE, why));
+    }
+    place[..W * found.len()].copy_from_slice(found.as_flattened());
+    Ok(())
 }
 
 /// Writes the vertices and the faces of a mesh where they are wanted.

@@ -13,11 +13,11 @@
 //! ```
 
 use super::boundary::boundary;
-use super::outputs::{fill_mesh, fill_slice, hand_over, tell};
+use super::outputs::{fill_mesh, fill_room, fill_slice, hand_over, tell};
 use super::pointer::{
     check_size, free, known, mesh, optional_output, optional_slice_mut, output, slice, slice_mut,
 };
-use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_SHAPE, Failure, cata_status};
+use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use catamaran_geometry::curve::{Region, Side, cut};
 use catamaran_geometry::mesh::Part;
 
@@ -185,13 +185,7 @@ pub unsafe extern "C" fn cata_region_boundary(
             )
         };
         let found = region.boundary(&mesh)?;
-        if let Some(edges) = edges {
-            if found.len() > room {
-                let why = format!("room: must be at least {} (edges), is {room}", found.len());
-                return Err(Failure::new(CATA_ERR_SHAPE, why));
-            }
-            edges[..2 * found.len()].copy_from_slice(found.as_flattened());
-        }
+        fill_room("edges", edges, room, &found)?;
         *count = found.len();
         Ok(())
     })

@@ -169,6 +169,16 @@ std::vector<std::remove_const_t<T>> aat(matrix_view<T> a, const options& how = {
     return c;
 }
 
+/// How ata computes A^T A of an m x n matrix, in lines of text: cata_ata_plan_f64.
+template <class T>
+std::string plan(std::size_t m, std::size_t n, const options& how = {}) {
+    char text[4096];
+    detail::call call(how);
+    const auto describe = detail::of_scalar<T>(cata_ata_plan_f64, cata_ata_plan_f32);
+    call.finish(describe(m, n, call.params(), sizeof text, text));
+    return text;
+}
+
 /// What is subtracted from the rows of a matrix.
 enum class centering : std::int32_t {
     none = CATA_CENTER_NONE,

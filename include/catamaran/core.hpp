@@ -91,6 +91,8 @@ matrix_view<T> col_major(T* data, std::size_t rows, std::size_t cols, std::size_
 using point_list = std::vector<std::array<double, 3>>;
 /// Three vertices of each triangle.
 using triangle_list = std::vector<std::array<std::uint32_t, 3>>;
+/// Edges: two vertices each.
+using edge_list = std::vector<std::array<std::uint32_t, 2>>;
 
 /// A triangle mesh that somebody else owns.
 struct mesh_view {

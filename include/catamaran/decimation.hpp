@@ -3,10 +3,9 @@
 #ifndef CATAMARAN_DECIMATION_HPP
 #define CATAMARAN_DECIMATION_HPP
 
-#include "core.hpp"
+#include "eigs.hpp"
 
 #include <memory>
-#include <optional>
 
 namespace catamaran {
 
@@ -135,6 +134,22 @@ public:
         std::vector<double> found(before_vertices_ * width);
         detail::check(cata_decimation_prolong(handle_.get(), width, values.data(), found.data()));
         return found;
+    }
+
+    /// The k smallest eigenpairs of the Laplacian of the input, approximately, from those of the
+    /// result: cata_decimation_eigs.
+    eigenpairs eigs(std::size_t k, const eigs_options& how = {}) const {
+        const std::size_t rows = before_vertices_;
+        eigenpairs pairs = detail::room_for(rows, k);
+        if (how.mass != mass_kind::consistent) {
+            pairs.masses.resize(rows);
+        }
+        detail::eigs_call call(how);
+        call.finish(cata_decimation_eigs(
+            handle_.get(), k, pairs.values.data(), pairs.vectors.data(), rows ? rows : 1,
+            pairs.residuals.data(), pairs.masses.empty() ? nullptr : pairs.masses.data(),
+            call.params()));
+        return pairs;
     }
 
     /// The texture of the result, from that of the input: six numbers a face.

@@ -141,6 +141,23 @@ inline eigenpairs eigs(const sparse_view& w, std::size_t k, std::vector<double> 
     return pairs;
 }
 
+/// The k smallest eigenpairs of W phi = lambda M phi, approximately, from those of a smaller
+/// problem with `coarse` unknowns: cata_eigs_two_level. `p`: P, w.rows x coarse.
+inline eigenpairs eigs_two_level(const sparse_view& w, const sparse_view& p, std::size_t coarse,
+                                 std::size_t k, std::vector<double> masses = {},
+                                 const eigs_options& how = {}) {
+    detail::require(p.rows == w.rows, CATA_ERR_SHAPE, "p: must have the rows of w");
+    const double* diagonal = detail::masses_of(masses, w.rows);
+    eigenpairs pairs = detail::room_for(w.rows, k);
+    detail::eigs_call call(how);
+    call.finish(cata_eigs_two_level(
+        w.rows, w.row_starts, w.columns, w.entries, diagonal, coarse, p.row_starts, p.columns,
+        p.entries, k, pairs.values.data(), pairs.vectors.data(), w.rows ? w.rows : 1,
+        pairs.residuals.data(), call.params()));
+    pairs.masses = std::move(masses);
+    return pairs;
+}
+
 /// The k eigenpairs of the Laplacian of a triangle mesh.
 inline eigenpairs eigs(const mesh_view& mesh, std::size_t k, const eigs_options& how = {}) {
     const std::size_t rows = mesh.n_vertices;

@@ -206,6 +206,21 @@ struct functional_map {
     matrix_view<const double> matrix() const&& = delete;
 };
 
+namespace detail {
+
+/// Takes the entries of a map from those in a layout without gaps.
+inline void by_columns(const std::vector<double>& whole, layout order, functional_map& found) {
+    const matrix_view<const double> view{whole.data(), found.rows, found.cols,
+                                         gapless(order, found.rows, found.cols), order};
+    for (std::size_t j = 0; j < found.cols; ++j) {
+        for (std::size_t i = 0; i < found.rows; ++i) {
+            found.entries[i + j * found.rows] = view(i, j);
+        }
+    }
+}
+
+}  // namespace detail
+
 /// A functional map between two bases of eigenfunctions that is being fitted. It goes on without
 /// them.
 class map_fit {
@@ -310,7 +325,7 @@ inline functional_map zoomout(matrix_view<const double> map, const basis& source
     functional_map found{target.size(), source.size(), {}, {}};
     found.entries.resize(found.rows * found.cols);
     found.points.resize(target.vertices());
-    // Its layout holds for the result too, whose transpose is the same matrix in the other one.
+    // The layout of the map holds for the result too.
     std::vector<double> whole(found.entries.size());
     detail::basis_call call(how);
     call.finish(cata_map_zoomout(source.get(), target.get(), step,
@@ -318,14 +333,7 @@ inline functional_map zoomout(matrix_view<const double> map, const basis& source
                                  map.leading, whole.data(),
                                  detail::gapless(map.order, found.rows, found.cols),
                                  found.points.data(), call.params()));
-    const matrix_view<const double> view{whole.data(), found.rows, found.cols,
-                                         detail::gapless(map.order, found.rows, found.cols),
-                                         map.order};
-    for (std::size_t j = 0; j < found.cols; ++j) {
-        for (std::size_t i = 0; i < found.rows; ++i) {
-            found.entries[i + j * found.rows] = view(i, j);
-        }
-    }
+    detail::by_columns(whole, map.order, found);
     return found;
 }
 
@@ -352,6 +360,27 @@ inline functional_map map_from_points(std::vector<std::uint32_t> points, const b
     call.finish(cata_map_from_points(source.get(), target.get(), found.points.data(),
                                      CATA_COL_MAJOR, found.entries.data(),
                                      found.rows ? found.rows : 1, call.params()));
+    return found;
+}
+
+/// The map of products of eigenfunctions that a map of the eigenfunctions implies, column by
+/// column, or by least squares `of_all` products: cata_map_of_products. It has no points.
+inline functional_map map_of_products(matrix_view<const double> map, const basis& source_eigen,
+                                      const basis& target_eigen, const basis& source,
+                                      const basis& target, bool of_all = false,
+                                      const basis_options& how = {}) {
+    detail::require_map(map, source_eigen, target_eigen);
+    functional_map found{target.size(), source.size(), {}, {}};
+    found.entries.resize(found.rows * found.cols);
+    // The layout of the map holds for the result too.
+    std::vector<double> whole(found.entries.size());
+    detail::basis_call call(how);
+    call.finish(cata_map_of_products(source_eigen.get(), target_eigen.get(), source.get(),
+                                     target.get(), static_cast<std::int32_t>(map.order), map.data,
+                                     map.leading, of_all ? 1 : 0, whole.data(),
+                                     detail::gapless(map.order, found.rows, found.cols),
+                                     call.params()));
+    detail::by_columns(whole, map.order, found);
     return found;
 }
 

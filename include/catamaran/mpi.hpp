@@ -164,6 +164,49 @@ inline symmetric ata_columns(const world& ranks, matrix_view<const double> colum
     return symmetric(made);
 }
 
+/// A block-cyclic matrix of doubles, as ScaLAPACK has it.
+template <class T>
+struct cyclic_view {
+    /// The entries on this rank, column-major.
+    T* data;
+    /// DTYPE_, CTXT_, M_, N_, MB_, NB_, RSRC_, CSRC_, LLD_.
+    std::array<std::int32_t, 9> descriptor;
+};
+
+/// The grid of the first ranks that block-cyclic matrices are on.
+struct process_grid {
+    /// Rows of ranks.
+    std::size_t rows = 1;
+    /// Columns of ranks.
+    std::size_t cols = 1;
+    /// Whether ranks are numbered along rows or along columns.
+    layout order = layout::row_major;
+};
+
+/// C := alpha A^T A + beta C of block-cyclic matrices. Collective: cata_world_ata_cyclic.
+inline void ata_cyclic(const world& ranks, const process_grid& grid, double alpha,
+                       const cyclic_view<const double>& a, double beta,
+                       const cyclic_view<double>& c, uplo part = uplo::both,
+                       const options& how = {}) {
+    detail::call call(how);
+    call.finish(cata_world_ata_cyclic(ranks.get(), static_cast<std::int32_t>(part), alpha, a.data,
+                                      a.descriptor.data(), beta, c.data, c.descriptor.data(),
+                                      grid.rows, grid.cols, static_cast<std::int32_t>(grid.order),
+                                      call.params()));
+}
+
+/// C := alpha A A^T + beta C of block-cyclic matrices. Collective: cata_world_aat_cyclic.
+inline void aat_cyclic(const world& ranks, const process_grid& grid, double alpha,
+                       const cyclic_view<const double>& a, double beta,
+                       const cyclic_view<double>& c, uplo part = uplo::both,
+                       const options& how = {}) {
+    detail::call call(how);
+    call.finish(cata_world_aat_cyclic(ranks.get(), static_cast<std::int32_t>(part), alpha, a.data,
+                                      a.descriptor.data(), beta, c.data, c.descriptor.data(),
+                                      grid.rows, grid.cols, static_cast<std::int32_t>(grid.order),
+                                      call.params()));
+}
+
 /// Eigenpairs, with the own rows of eigenvectors, of a matrix W of n rows of which `w` has own ones
 /// and `masses` their masses; empty: all 1. Collective: cata_world_eigs.
 inline eigenpairs eigs(const world& ranks, const sparse_view& w, std::size_t n, std::size_t k,

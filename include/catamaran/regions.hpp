@@ -9,9 +9,6 @@
 
 namespace catamaran {
 
-/// Edges: two vertices each.
-using edge_list = std::vector<std::array<std::uint32_t, 2>>;
-
 /// Which side of curves is inside.
 enum class region_side : std::int32_t { small = CATA_SIDE_SMALL, large = CATA_SIDE_LARGE };
 

@@ -77,22 +77,7 @@ pub fn shape<'py>(
     counts: Vec<usize>,
     sizes: Vec<f64>,
 ) -> PyResult<Mesh<'py>> {
-    let made = run(py, Length::Long, None, |_| match (name, &counts[..], &sizes[..]) {
-        ("icosphere", &[subdivisions], []) => families::icosphere(subdivisions as u32),
-        ("torus", &[around, tube], &[major, minor]) => families::torus(around, tube, major, minor),
-        ("knot", &[p, q, along, tube], &[radius]) => {
-            families::knot(p as u32, q as u32, along, tube, radius)
-        }
-        ("genus", &[holes, cells], []) => families::genus(holes, cells),
-        ("figure", &[cells], &[pose]) => families::figure(cells, pose),
-        ("grid", &[columns, rows], []) => families::grid(columns, rows),
-        ("disk", &[rings, sectors], []) => families::disk(rings, sectors),
-        ("cylinder", &[around, along], &[radius, height]) => {
-            families::cylinder(around, along, radius, height)
-        }
-        ("terrain", &[columns, rows, seed], []) => families::terrain(columns, rows, seed as u64),
-        _ => Err(catamaran::Error::Argument { what: "shape", why: format!("unknown: {name}") }),
-    })?;
+    let made = run(py, Length::Long, None, |_| families::by_name(name, &counts, &sizes))?;
     arrays(py, made)
 }
 

@@ -182,6 +182,37 @@ void bases_and_maps() {
           CATA_ERR_CANCELLED);
 }
 
+// A turn of the ring: what it does to eigenfunctions says what it does to their products.
+void maps_of_products() {
+    const std::size_t n = 24;
+    const basis eigen(ring(n, false)), products = eigen.products();
+    std::vector<std::uint32_t> turned(n);
+    for (std::uint32_t v = 0; v < n; ++v) turned[v] = (v + 5) % static_cast<std::uint32_t>(n);
+    const auto c = catamaran::map_from_points(turned, eigen, eigen);
+    const auto expected = catamaran::map_from_points(turned, products, products);
+    CHECK(expected.rows == 9);
+    std::vector<double> by_rows(25);
+    const catamaran::matrix_view<double> rows = catamaran::row_major(by_rows.data(), 5, 5);
+    for (std::size_t i = 0; i < 5; ++i) {
+        for (std::size_t j = 0; j < 5; ++j) rows(i, j) = c.matrix()(i, j);
+    }
+    for (const bool of_all : {false, true}) {
+        const auto found =
+            catamaran::map_of_products(c.matrix(), eigen, eigen, products, products, of_all);
+        CHECK(near(found.entries, expected.entries, 1e-8));
+        const auto again =
+            catamaran::map_of_products(rows, eigen, eigen, products, products, of_all);
+        CHECK(near(again.entries, found.entries, 1e-12));
+    }
+    CHECK(status_of([&] { catamaran::map_of_products(rows, eigen, eigen, eigen, products); }) ==
+          CATA_ERR_ARGUMENT);
+    catamaran::basis_options how;
+    how.order = 3;
+    const basis more = eigen.products(how);
+    CHECK(status_of([&] { catamaran::map_of_products(rows, eigen, eigen, products, more); }) ==
+          CATA_ERR_ARGUMENT);
+}
+
 // A tetrahedron: all its eigenfunctions, and so all its details.
 void meshes() {
     const std::vector<std::array<double, 3>> corners{
@@ -237,6 +268,7 @@ int main() {
     slices_and_counts();
     orthonormal_columns();
     bases_and_maps();
+    maps_of_products();
     meshes();
     unions();
     return report("test_cpp_spectra");

@@ -95,7 +95,7 @@ static void test_basis(void)
     CHECK_STATUS(cata_basis_add_coefficient(basis, 3, 1, CATA_COL_MAJOR, 1, g, N), CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("index: 3");
     CHECK_STATUS(cata_basis_copy(basis, CATA_COL_MAJOR, g, N, g, N, NULL), CATA_ERR_ARGUMENT);
-    CHECK_MENTIONS("triangle: must be NULL");
+    CHECK_MENTIONS("triangle: needs a basis of cata_basis_products");
     CHECK(g[0] == 5);
     cata_basis *none = NULL;
     values[2] = 0.5;

@@ -44,6 +44,27 @@ void products(const catamaran::world& world) {
     CHECK(size == 1 || world.traffic().messages_sent + world.traffic().messages_received > 0);
 }
 
+// Column (1, rank) on each rank of a grid of one row.
+void cyclic_products(const catamaran::world& world) {
+    const auto rank = static_cast<std::int32_t>(world.rank());
+    const auto n = static_cast<std::int32_t>(world.size());
+    const double column[2] = {1, static_cast<double>(rank)};
+    const catamaran::cyclic_view<const double> a{column, {{1, 0, 2, n, 2, 1, 0, 0, 2}}};
+    const catamaran::process_grid grid{1, world.size()};
+    std::vector<double> c(world.size(), 1.0), d(4, 1.0);
+    catamaran::ata_cyclic(world, grid, 2.0, a, 1.0, {c.data(), {{1, 0, n, n, n, 1, 0, 0, n}}});
+    for (std::int32_t i = 0; i < n; ++i) CHECK(c[static_cast<std::size_t>(i)] == 3 + 2 * i * rank);
+    // The whole result is on the first rank.
+    catamaran::aat_cyclic(world, grid, 1.0, a, 0.0, {d.data(), {{1, 0, 2, 2, 2, 2, 0, 0, 2}}});
+    const double sum = n * (n - 1) / 2.0, squares = sum * (2 * n - 1) / 3;
+    CHECK(rank != 0 || (d[0] == n && d[1] == sum && d[2] == sum && d[3] == squares));
+    const catamaran::process_grid none{0, world.size()};
+    CHECK(status_of([&] {
+              catamaran::ata_cyclic(world, none, 1.0, a, 0.0,
+                                    {c.data(), {{1, 0, n, n, n, 1, 0, 0, n}}});
+          }) == CATA_ERR_ARGUMENT);
+}
+
 // The path with ten nodes on each rank.
 void spectra(const catamaran::world& world) {
     const std::size_t rank = world.rank(), size = world.size(), own = 10, n = own * size;
@@ -121,6 +142,7 @@ int main(int argc, char** argv)
     {
         const catamaran::world world(MPI_COMM_WORLD);
         products(world);
+        cyclic_products(world);
         spectra(world);
         columns(world);
         memory(world);

@@ -212,6 +212,39 @@ static void test_regions(void)
     cata_drawing_free(drawing);
 }
 
+static void test_surfaces(void)
+{
+    const size_t counts[3] = {1, 1, 1};
+    const double origin[3] = {0, 0, 0}, step[3] = {1, 1, 1};
+    const float value = 1;
+    cata_mesh_file *file = NULL;
+    NEEDS("params", cata_mesh_params_init(NULL, sizeof(cata_mesh_params)));
+    NEEDS("vertices", cata_mesh_edges(V, NULL, F, f, 0, NULL, NULL, &n));
+    NEEDS("count", cata_mesh_edges(V, v, F, f, 0, NULL, NULL, NULL));
+    TOO_LARGE("edges", cata_mesh_edges(V, v, F, f, most, u, NULL, &n));
+    NEEDS("faces", cata_mesh_components(V, v, F, NULL, u, NULL, &n));
+    NEEDS("count", cata_mesh_components(V, v, F, f, u, u + V, NULL));
+    NEEDS("genus", cata_mesh_genus(V, v, F, f, NULL, &number));
+    NEEDS("total", cata_mesh_boundary_loops(V, v, F, f, 0, NULL, NULL, NULL, &n));
+    NEEDS("count", cata_mesh_boundary_loops(V, v, F, f, 0, NULL, NULL, &n, NULL));
+    NEEDS("faces", cata_mesh_measures(V, v, F, NULL, x, NULL, NULL, NULL, NULL, NULL));
+    NEEDS("faces", cata_mesh_quality(V, v, F, NULL, x, NULL, NULL, NULL, NULL, NULL, NULL, NULL));
+    NEEDS("vertices", cata_mesh_compare(V, v, F, f, V, NULL, F, f, x, NULL, NULL, NULL, NULL));
+    NEEDS("counts", cata_mesh_isosurface(NULL, origin, step, &value, 0, 0, NULL, &file));
+    NEEDS("origin", cata_mesh_isosurface(counts, NULL, step, &value, 0, 0, NULL, &file));
+    NEEDS("step", cata_mesh_isosurface(counts, origin, NULL, &value, 0, 0, NULL, &file));
+    NEEDS("values", cata_mesh_isosurface(counts, origin, step, NULL, 0, 0, NULL, &file));
+    NEEDS("file", cata_mesh_isosurface(counts, origin, step, &value, 0, 0, NULL, NULL));
+    NEEDS("labels", cata_mesh_label_surface(counts, origin, step, NULL, 1, 0, NULL, &file));
+    NEEDS("name", cata_mesh_generated(NULL, 0, NULL, 0, NULL, &file));
+    NEEDS("counts", cata_mesh_generated("grid", 2, NULL, 0, NULL, &file));
+    NEEDS("sizes", cata_mesh_generated("figure", 1, counts, 1, NULL, &file));
+    NEEDS("file", cata_mesh_generated("grid", 2, counts, 0, NULL, NULL));
+    NEEDS("text", cata_ata_plan_f64(1, 1, NULL, 1, NULL));
+    NEEDS("decimation", cata_decimation_eigs(NULL, 1, x, x + 1, V, NULL, NULL, NULL));
+    CHECK(file == NULL);
+}
+
 static void test_descriptors(void)
 {
     const double values[2] = {0, 1}, vectors[6] = {1, 1, 1, 1, 0, -1}, one = 1;
@@ -273,6 +306,8 @@ static void test_sparse(void)
     NEEDS("f", cata_filter_energies(2, starts, columns, entries, NULL, c, 1, NULL, 2, x));
     NEEDS("energies", cata_filter_energies(2, starts, columns, entries, NULL, c, 1, b, 2, NULL));
     TOO_LARGE("ldf", cata_filter_energies(2, starts, columns, entries, NULL, c, 1, b, 1, x));
+    NEEDS("P: row_starts", cata_eigs_two_level(2, starts, columns, entries, NULL, 1, NULL, columns,
+                                               entries, 1, x, x + 1, 2, NULL, NULL));
     CHECK_STATUS(cata_cholesky_analyse(2, starts, columns, NULL, &cholesky), CATA_OK);
     CHECK_STATUS(cata_cholesky_factor(cholesky, starts, columns, entries), CATA_OK);
     NEEDS("params", cata_cholesky_params_init(NULL, sizeof(cata_cholesky_params)));
@@ -315,6 +350,7 @@ int main(void)
     test_laplacians();
     test_distances();
     test_regions();
+    test_surfaces();
     test_descriptors();
     int untouched = n == 77 && number == 77;
     for (size_t i = 0; i < sizeof x / sizeof *x; i++) {

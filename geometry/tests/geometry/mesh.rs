@@ -129,6 +129,9 @@ fn arguments_out_of_range_are_refused_before_any_work() {
         families::moebius(2, 1),
         families::slivers(1, 1, 0.0),
         families::pages(0),
+        families::by_name("sphere", &[3], &[]),
+        families::by_name("icosphere", &[], &[]),
+        families::by_name("icosphere", &[(1 << 32) + 1], &[]),
     ];
     for (i, mesh) in refused.into_iter().enumerate() {
         assert!(matches!(mesh, Err(Error::Argument { .. })), "number {i}");

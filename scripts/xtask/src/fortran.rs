@@ -157,7 +157,9 @@ fn dummy(function: &Function, argument: &str, header: &Header) -> Result<(String
     let is_complex = function.name.ends_with("_c64") || function.name.ends_with("_c32");
     Ok(match (number(base), kind.matches('*').count()) {
         (Some(number), 0) => (format!("{number}, value"), entity(true)),
-        (Some(number), 1) if base == "char" => (format!("{number}, intent(in)"), entity(false)),
+        (Some(number), 1) if base == "char" => {
+            (format!("{number}, intent({intent})"), entity(false))
+        }
         (Some(number), 1) => {
             let number = if is_complex { number.replace("real", "complex") } else { number.into() };
             (format!("{number}, {optional}"), entity(SCALARS.contains(&name)))

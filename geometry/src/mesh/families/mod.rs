@@ -7,6 +7,7 @@
 
 mod bent;
 mod broken;
+mod by_name;
 mod closed;
 mod draft;
 mod figure;
@@ -15,6 +16,7 @@ mod voxels;
 
 pub use bent::{Bend, bent};
 pub use broken::{bow_tie, pages, slivers, soup, split_sphere};
+pub use by_name::by_name;
 pub use closed::{genus, icosphere, knot, spheres, torus};
 pub use figure::figure;
 pub use flat::{cylinder, disk, grid, moebius, terrain};
