@@ -82,7 +82,7 @@ def products(
     accuracy: Accuracy,
     reproducible: bool,
     threads: Optional[int],
-    backend: Optional[Path] = None,
+    backend: Optional[Path],
 ) -> Tuple[str, str, Accuracy, bool, Optional[int], Optional[str]]:
     """Return the options of a product as the extension takes them."""
     library = None if backend is None else os.fspath(backend)

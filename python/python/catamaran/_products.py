@@ -484,7 +484,7 @@ class Accumulator(_catamaran.Accumulator):
         progress: Progress = None,
     ) -> None:
         """Add rows (any number x columns), with a weight for each or none."""
-        options = products("both", scheme, accuracy, False, threads)
+        options = products("both", scheme, accuracy, False, threads, None)
         self._add(rows, weights, options, callback(progress))
 
     def add_file(
@@ -500,7 +500,7 @@ class Accumulator(_catamaran.Accumulator):
         """Add the rows of a .npy file, or of a dataset of HDF5 ("a.h5:/x") in a package with that
         feature, with a weight for each or none. Blocks of rows are in memory, never the whole
         file; notes about the file are warnings."""
-        options = products("both", scheme, accuracy, False, threads)
+        options = products("both", scheme, accuracy, False, threads, None)
         for note in self._add_file(path, weights, options, callback(progress)):
             warn_caller(f"{os.fspath(path)}: {note}")
 
@@ -513,7 +513,7 @@ class Accumulator(_catamaran.Accumulator):
         progress: Progress = None,
     ) -> None:
         """Remove rows that were added to exact sums, with the same weights."""
-        options = products("both", "auto", "default", False, threads)
+        options = products("both", "auto", "default", False, threads, None)
         self._remove(rows, weights, options, callback(progress))
 
     def merge(self, other: Accumulator) -> None:
