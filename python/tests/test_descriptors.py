@@ -26,18 +26,19 @@ def test_one_coefficient_is_changed(rng):
 
 
 def test_shot_does_not_change_under_motions(rng):
-    v, f = FIGURE
-    radius = 0.15 * np.ptp(v, axis=0).max()
+    mesh = shapes.terrain(20, 20, 3)
+    v, f = mesh
+    radius = 4 * np.sqrt(mesh.area / len(f))
     found = catamaran.shot(v, f, radius)
     norms = np.linalg.norm(found, axis=1)
     assert found.shape == (len(v), 352) and np.all(np.isclose(norms, 1) | (norms == 0))
     assert norms.mean() > 0.9
-    # A rotation and another scale; axes of ties may change.
+    # A rotation and another scale; few axes are so near to a tie that rounding decides.
     turn = np.linalg.qr(rng.standard_normal((3, 3)))[0]
     turn *= np.sign(np.linalg.det(turn))
     moved = catamaran.shot(3 * v @ turn.T + 1, f, 3 * radius)
     same = np.abs(moved - found).max(axis=1) < 1e-6
-    assert same.mean() > 0.7
+    assert same.mean() > 0.9
     with pytest.raises(ValueError, match="radius"):
         catamaran.shot(v, f, 0.0)
 
