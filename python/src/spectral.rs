@@ -20,7 +20,7 @@ use pyo3::prelude::*;
 
 use crate::array::{Array, from_matrix, from_vec};
 use crate::error::{exception, refused};
-use crate::mesh::{Mesh, arrays, mesh};
+use crate::mesh::{Mesh, arrays, mesh, numbers};
 use crate::options::{Threads, laplacian_kind, orthogonalization, pairs, par, vertices, word};
 use crate::sparse::{Parts, mass as mass_of, mass_parts};
 use crate::surface::{Pieces, Surface};
@@ -308,8 +308,7 @@ pub fn functional_map<'py>(
         let c = fit.solve(commutativity)?;
         refined(c, (source, target), &low, refine, par, progress)
     })?;
-    let points: Vec<i64> = found.1.iter().map(|&v| i64::from(v)).collect();
-    Ok((from_matrix(py, found.0.as_ref())?.into_any(), from_vec(py, points).into_any()))
+    Ok((from_matrix(py, found.0.as_ref())?.into_any(), numbers(py, found.1)))
 }
 
 fn refined(
