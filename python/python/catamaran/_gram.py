@@ -359,8 +359,9 @@ def lstsq(
             raise ValueError("comm: not together with factors or missing")
         more: Dict[str, Any] = {"threads": threads, "progress": progress}
         total = sums(comm, a, b, weights, "extended", intercept, None, more)
-        targets = 1 if np.ndim(b) == 1 else np.shape(b)[1]
-        fit = of_first(comm, lambda: solution(total._lstsq(targets, options), np.ndim(b) == 1))
+        one = np.ndim(b) == 1
+        targets = 1 if one else np.shape(b)[1]
+        fit: LeastSquares = of_first(comm, lambda: solution(total._lstsq(targets, options), one))
         return replace(fit, feature_names=names_of(a))
     if not factors and missing == "error":
         found = _catamaran.lstsq(rows_of(a), b, weights, options, callback(progress))
@@ -497,8 +498,8 @@ def pca(
         more: Dict[str, Any] = {"threads": threads, "progress": progress}
         total = sums(comm, a, None, weights, "extended", True, None, more)
         about = {"standardize": standardize, "whiten": whiten, "threads": threads}
-        components = of_first(comm, lambda: total.pca(n_components, **about))
-        return replace(components, feature_names=names_of(a))
+        of_all: PrincipalComponents = of_first(comm, lambda: total.pca(n_components, **about))
+        return replace(of_all, feature_names=names_of(a))
     found = _catamaran.pca(
         rows_of(a), weights, n_components, standardize, whiten, threads, callback(progress)
     )

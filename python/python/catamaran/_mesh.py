@@ -185,7 +185,7 @@ def mesh_to_bytes(
     Examples
     --------
     >>> import catamaran
-    >>> catamaran.mesh_to_bytes(catamaran.shapes.grid(1, 1), "off")[:9]
+    >>> catamaran.mesh_to_bytes(catamaran.shapes.grid(1, 1), "off")[:8]
     b'OFF\\n4 2 '
     """
     if uv is not None:

@@ -154,7 +154,7 @@ class Mesh(NamedTuple):
     def quality(self) -> Quality:
         """Measure how uniform the mesh is."""
         numbers, edges = _catamaran.quality(self.v, self.f)
-        return Quality(*numbers, non_manifold_edges=edges)
+        return Quality._make([*numbers, edges])
 
     def compare(self, other: MeshLike, *, threads: Optional[int] = None) -> Comparison:
         """Measure how far the surface is from that of another mesh, and the other way round.
