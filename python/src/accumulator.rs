@@ -5,8 +5,12 @@ use std::path::PathBuf;
 use catamaran::base::FloatEnv;
 use catamaran::blas::BlasReal;
 use catamaran::faer::Mat;
-use catamaran::io::{Output, Overwrite, accumulator_scalar, read_accumulator, write_accumulator};
-use catamaran::rows::{Accumulator as Sum, DenseRows, ExtendedGram, RowBounds, scalar_of};
+use catamaran::io::{
+    Output, Overwrite, RowFile, accumulator_scalar, read_accumulator, write_accumulator,
+};
+use catamaran::rows::{
+    Accumulator as Sum, DenseRows, ExtendedGram, RowBlocks, RowBounds, scalar_of,
+};
 use catamaran::{Error, Real, Uplo};
 use numpy::{PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
@@ -93,12 +97,31 @@ impl State {
         let mut started = false;
         let rows = array_of("rows", rows)?;
         let changed = match &mut self.sums {
-            Sums::F32(sum) => blocks::<f32, f32>(py, sum, &rows, change, &mut started),
+            Sums::F32(sum) => array::<f32, f32>(py, sum, &rows, change, &mut started),
             Sums::F64(sum) if is_single(&rows) => {
-                blocks::<f32, f64>(py, sum, &rows, change, &mut started)
+                array::<f32, f64>(py, sum, &rows, change, &mut started)
             }
-            Sums::F64(sum) => blocks::<f64, f64>(py, sum, &rows, change, &mut started),
+            Sums::F64(sum) => array::<f64, f64>(py, sum, &rows, change, &mut started),
         };
+        self.note(py, changed, started)
+    }
+
+    /// Adds the rows of a file.
+    fn add_file(
+        &mut self,
+        py: Python<'_>,
+        mut file: RowFile,
+        change: Change<'_, '_>,
+    ) -> PyResult<()> {
+        let (mut started, shape) = (false, (file.nrows(), file.ncols()));
+        let added = each!(&mut self.sums, sum => {
+            blocks(py, sum, &mut file, shape, change, &mut started)
+        });
+        self.note(py, added, started)
+    }
+
+    /// Notes an error that leaves the sums in between.
+    fn note(&mut self, py: Python<'_>, changed: PyResult<()>, started: bool) -> PyResult<()> {
         if let Err(error) = &changed
             && started
         {
@@ -151,8 +174,8 @@ struct Change<'a, 'py> {
     progress: Option<Py<PyAny>>,
 }
 
-/// Adds or removes rows of S. `started` tells whether an error leaves the sums in between.
-fn blocks<S: Scalar + Real, T: Scalar + BlasReal>(
+/// Adds or removes rows of S, as [`blocks`] does.
+fn array<S: Scalar + Real, T: Scalar + BlasReal>(
     py: Python<'_>,
     sum: &mut Sum<T>,
     rows: &Bound<'_, PyAny>,
@@ -160,7 +183,18 @@ fn blocks<S: Scalar + Real, T: Scalar + BlasReal>(
     started: &mut bool,
 ) -> PyResult<()> {
     let rows = Array::<S>::new("rows", rows, &[2])?;
-    let (m, n) = rows.shape();
+    blocks(py, sum, &mut DenseRows(rows.view()), rows.shape(), change, started)
+}
+
+/// Adds or removes m x n rows. `started` tells whether an error leaves the sums in between.
+fn blocks<T: Scalar + BlasReal>(
+    py: Python<'_>,
+    sum: &mut Sum<T>,
+    rows: &mut (dyn RowBlocks<T> + Send),
+    (m, n): (usize, usize),
+    change: Change<'_, '_>,
+    started: &mut bool,
+) -> PyResult<()> {
     if n != sum.ncols() {
         let why = format!("rows: expected {} columns, got {n}", sum.ncols());
         return Err(PyValueError::new_err(why));
@@ -177,9 +211,9 @@ fn blocks<S: Scalar + Real, T: Scalar + BlasReal>(
     }
     let options = change.products.options()?;
     let length = Length::of(m as f64 * n as f64 * n as f64);
-    let (mut rows, remove, weights) = (DenseRows(rows.view()), change.remove, weights.as_deref());
+    let (remove, weights) = (change.remove, weights.as_deref());
     run(py, length, change.progress, move |progress| {
-        let (rows, options) = (&mut rows, options.progress(progress));
+        let options = options.progress(progress);
         let before = sum.rows();
         let done = match remove {
             false => sum.add_rows(rows, weights, &options),
@@ -239,6 +273,23 @@ impl Accumulator {
     ) -> PyResult<()> {
         let change = Change { weights, remove: true, products, progress };
         self.valid(rows.py())?.change(rows.py(), rows, change)
+    }
+
+    /// Adds the rows of a file, and returns what a user may not expect of them.
+    #[pyo3(signature = (path, weights, products, progress))]
+    fn _add_file<'py>(
+        &self,
+        py: Python<'py>,
+        path: PathBuf,
+        weights: Option<&Bound<'py, PyAny>>,
+        products: Products<'py>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Vec<String>> {
+        let file = RowFile::open(path).map_err(exception)?;
+        let notes = file.notes().to_vec();
+        let change = Change { weights, remove: false, products, progress };
+        self.valid(py)?.add_file(py, file, change)?;
+        Ok(notes)
     }
 
     fn _merge(&self, other: &Bound<'_, Self>) -> PyResult<()> {

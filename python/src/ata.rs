@@ -200,7 +200,7 @@ where
 }
 
 /// The weights of rows, and what is subtracted from each.
-struct About<'py, T> {
+pub struct About<'py, T> {
     weights: Option<Array<'py, T>>,
     mean: bool,
     row: Option<Array<'py, T>>,
@@ -208,7 +208,7 @@ struct About<'py, T> {
 
 impl<'py, T: Scalar + BlasReal> About<'py, T> {
     /// `center` is None, True for the mean, or a row.
-    fn new(
+    pub fn new(
         weights: Option<&Bound<'py, PyAny>>,
         center: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Self> {
@@ -222,12 +222,12 @@ impl<'py, T: Scalar + BlasReal> About<'py, T> {
     }
 
     /// The entries of the weights and of the row.
-    fn entries(&self) -> [Option<Cow<'_, [T]>>; 2] {
+    pub fn entries(&self) -> [Option<Cow<'_, [T]>>; 2] {
         [&self.weights, &self.row].map(|array| array.as_ref().map(Array::entries))
     }
 
     /// Options of the library with these entries.
-    fn options<'a>(&self, weights: Option<&'a [T]>, row: Option<&'a [T]>) -> RowOptions<'a, T> {
+    pub fn options<'a>(&self, weights: Option<&'a [T]>, row: Option<&'a [T]>) -> RowOptions<'a, T> {
         let center = match row {
             Some(row) => Center::Given(row),
             None if self.mean => Center::Mean,

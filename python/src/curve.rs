@@ -1,12 +1,17 @@
-//! Curves through samples on a mesh.
+//! Curves through samples on a mesh, several of them drawn into it, and points as vertices.
 
-use catamaran_geometry::curve::{Count, CurveOptions, CurveSolver, Mode, Outcome};
+use catamaran_geometry::curve::{
+    Count, Curve, CurveOptions, CurveSolver, Drawing, Mode, Outcome, Placement, Site,
+    place as placed,
+};
+use catamaran_geometry::mesh::{Refined, SurfacePoint};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::array::{from_rows, from_vec};
-use crate::mesh::mesh;
-use crate::options::{arguments, vertices, word};
+use crate::array::from_rows;
+use crate::error::refused;
+use crate::mesh::{RefinedArrays, mesh, numbers, positions, refined};
+use crate::options::{arguments, faces, vertices, word};
 use crate::task::{Length, run};
 
 arguments! {
@@ -18,53 +23,130 @@ arguments! {
         steiner: bool,
         candidates: usize,
         start: usize,
-        smooth: bool,
+    }
+}
+
+impl How {
+    fn options(&self) -> PyResult<CurveOptions<'static>> {
+        let known = [("robust", Mode::Robust), ("faithful", Mode::Faithful)];
+        Ok(CurveOptions::new()
+            .mode(word("mode", &self.mode, &known)?)
+            .open(self.open)
+            .count(if self.single { Count::One } else { Count::Automatic })
+            .steiner(self.steiner)
+            .candidates(self.candidates)
+            .start(self.start))
     }
 }
 
 /// The outcome, whether it is complete, the curves as dictionaries, the samples that are left out.
 type Found<'py> = (String, bool, Vec<Bound<'py, PyDict>>, Bound<'py, PyAny>);
 
+fn found(
+    py: Python<'_>,
+    outcome: Outcome,
+    curves: Vec<Curve>,
+    left_out: Vec<u32>,
+) -> PyResult<Found<'_>> {
+    let mut entries = Vec::new();
+    for curve in curves {
+        let entry = PyDict::new(py);
+        entry.set_item("order", numbers(py, curve.order))?;
+        entry.set_item("path", numbers(py, curve.path))?;
+        entry.set_item("points", from_rows(py, curve.points)?)?;
+        entry.set_item("closed", curve.closed)?;
+        entry.set_item("length", curve.length)?;
+        entries.push(entry);
+    }
+    Ok((outcome.to_string(), outcome.is_complete(), entries, numbers(py, left_out)))
+}
+
 /// See `catamaran.curve`.
 #[pyfunction]
-#[pyo3(signature = (v, f, samples, how, progress))]
+#[pyo3(signature = (v, f, samples, how, smooth, progress))]
 pub fn curve<'py>(
     py: Python<'py>,
     v: &Bound<'py, PyAny>,
     f: &Bound<'py, PyAny>,
     samples: &Bound<'py, PyAny>,
     how: How,
+    smooth: bool,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Found<'py>> {
-    let mode = word("mode", &how.mode, &[("robust", Mode::Robust), ("faithful", Mode::Faithful)])?;
+    let options = how.options()?;
     let (mesh, samples) = (mesh(v, f)?, vertices("samples", samples)?);
-    let found = run(py, Length::Long, progress, move |progress| {
-        let options = CurveOptions::new()
-            .mode(mode)
-            .open(how.open)
-            .count(if how.single { Count::One } else { Count::Automatic })
-            .steiner(how.steiner)
-            .candidates(how.candidates)
-            .start(how.start)
-            .progress(progress);
-        let mut found = CurveSolver::new(&mesh)?.reconstruct(&samples, &options)?;
-        if how.smooth {
-            found.smooth(&mesh, &samples)?;
+    let all = run(py, Length::Long, progress, move |progress| {
+        let options = options.progress(progress);
+        let mut all = CurveSolver::new(&mesh)?.reconstruct(&samples, &options)?;
+        if smooth {
+            all.smooth(&mesh, &samples)?;
         }
-        Ok(found)
+        Ok(all)
     })?;
-    let numbers =
-        |all: Vec<u32>| from_vec(py, all.into_iter().map(i64::from).collect::<Vec<_>>()).into_any();
-    let mut curves = Vec::new();
-    for curve in found.curves {
-        let entry = PyDict::new(py);
-        entry.set_item("order", numbers(curve.order))?;
-        entry.set_item("path", numbers(curve.path))?;
-        entry.set_item("points", from_rows(py, curve.points)?)?;
-        entry.set_item("closed", curve.closed)?;
-        entry.set_item("length", curve.length)?;
-        curves.push(entry);
+    found(py, all.outcome, all.curves, all.left_out)
+}
+
+/// A mesh with curves along its edges, and what was found of each layer; see `catamaran.draw`.
+#[pyfunction]
+#[pyo3(signature = (v, f, layers, smooth, progress))]
+pub fn draw<'py>(
+    py: Python<'py>,
+    v: &Bound<'py, PyAny>,
+    f: &Bound<'py, PyAny>,
+    layers: Vec<(Bound<'py, PyAny>, How)>,
+    smooth: bool,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(RefinedArrays<'py>, Vec<Found<'py>>)> {
+    let layer = |(samples, how): &(Bound<'py, PyAny>, How)| -> PyResult<_> {
+        Ok((vertices("layers", samples)?, how.options()?))
+    };
+    let layers: Vec<(Vec<u32>, CurveOptions<'static>)> =
+        layers.iter().map(layer).collect::<PyResult<_>>()?;
+    let mesh = mesh(v, f)?;
+    let (drawn, outcomes) = run(py, Length::Long, progress, move |progress| {
+        let mut drawing = Drawing::new(mesh)?;
+        let share = 1.0 / layers.len() as f64;
+        for (i, (samples, options)) in layers.into_iter().enumerate() {
+            let part = progress.part(i as f64 * share..(i + 1) as f64 * share);
+            drawing.add(&samples, &options.progress(part))?;
+        }
+        if smooth {
+            drawing.smooth()?;
+        }
+        let outcomes = drawing.found().map(|found| (found.outcome, found.left_out.clone()));
+        let outcomes: Vec<(Outcome, Vec<u32>)> = outcomes.collect();
+        Ok((drawing.inscribe()?, outcomes))
+    })?;
+    let layers = drawn.layers.into_iter().zip(outcomes);
+    let layers = layers.map(|(curves, (outcome, left_out))| found(py, outcome, curves, left_out));
+    Ok((refined(py, drawn.refined)?, layers.collect::<PyResult<_>>()?))
+}
+
+/// Points of faces as vertices of a mesh, which is finer where they are inserted; see
+/// `catamaran.place`.
+#[pyfunction]
+#[pyo3(signature = (v, f, of_faces, barycentric, insert))]
+pub fn place<'py>(
+    py: Python<'py>,
+    v: &Bound<'py, PyAny>,
+    f: &Bound<'py, PyAny>,
+    of_faces: &Bound<'py, PyAny>,
+    barycentric: &Bound<'py, PyAny>,
+    insert: bool,
+) -> PyResult<(RefinedArrays<'py>, Bound<'py, PyAny>)> {
+    let (mesh, of_faces) = (mesh(v, f)?, faces("faces", of_faces)?);
+    let weights = positions("barycentric", barycentric)?;
+    if weights.len() != of_faces.len() {
+        let why = format_args!("{} rows for {} faces", weights.len(), of_faces.len());
+        return Err(refused("barycentric", why));
     }
-    let outcome: Outcome = found.outcome;
-    Ok((outcome.to_string(), outcome.is_complete(), curves, numbers(found.left_out)))
+    let points = of_faces.into_iter().zip(weights);
+    let points = points.map(|(face, weights)| Site::Face(SurfacePoint { face, weights }));
+    let sites: Vec<Site> = points.collect();
+    let placement = if insert { Placement::Insert } else { Placement::Snap };
+    let (finer, places) = run(py, Length::Long, None, move |_| {
+        let found = placed(&mesh, &sites, placement)?;
+        Ok((found.mesh.unwrap_or_else(|| Refined::new(mesh)), found.vertices))
+    })?;
+    Ok((refined(py, finer)?, numbers(py, places)))
 }

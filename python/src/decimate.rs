@@ -4,7 +4,7 @@ use catamaran_geometry::decimate::{DecimateOptions, FarthestPoints, Method, deci
 use pyo3::prelude::*;
 
 use crate::array::{from_rows, from_vec};
-use crate::mesh::{arrays, first_vertex, mesh};
+use crate::mesh::{arrays, first_vertex, mesh, numbers};
 use crate::options::{Threads, arguments, par, word};
 use crate::sparse::{Parts, parts};
 use crate::task::{Length, run};
@@ -55,11 +55,11 @@ pub fn decimate<'py>(
         let weights = found.weights(&mesh, par)?;
         Ok((found, weights))
     })?;
-    let of_faces: Vec<i64> = found.places.iter().map(|place| i64::from(place.face)).collect();
+    let of_faces = numbers(py, found.places.iter().map(|place| place.face));
     let inside = found.places.iter().map(|place| place.weights).collect();
     let (v, f) = arrays(py, found.mesh)?;
-    let places = (from_vec(py, of_faces).into_any(), from_rows(py, inside)?.into_any());
-    Ok((v, f, places.0, places.1, parts(py, weights)))
+    let inside = from_rows(py, inside)?.into_any();
+    Ok((v, f, of_faces, inside, parts(py, weights)))
 }
 
 /// Samples, the nearest sample of each vertex (-1 without), and its distance; see

@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 
 use crate::array::{from_rows, from_vec};
 use crate::error::refused;
-use crate::mesh::mesh;
+use crate::mesh::{mesh, numbers};
 use crate::options::{Threads, laplacian_kind, par, vertex, vertices, word};
 use crate::task::{Length, run};
 
@@ -65,6 +65,5 @@ pub fn shortest_path<'py>(
         let points: Vec<[f64; 3]> = path.iter().map(|&v| mesh.vertices()[v as usize]).collect();
         Ok((path, points, search.distance(end)))
     })?;
-    let path: Vec<i64> = path.into_iter().map(i64::from).collect();
-    Ok((from_vec(py, path).into_any(), from_rows(py, points)?.into_any(), length))
+    Ok((numbers(py, path), from_rows(py, points)?.into_any(), length))
 }

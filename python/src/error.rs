@@ -9,8 +9,12 @@ use pyo3::exceptions::{PyMemoryError, PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 
 /// The exception for an error: `ValueError` for arguments and meshes, `OSError` (or what Python
-/// has for the cause, such as `FileNotFoundError`) for files, `MemoryError`, and `RuntimeError`.
+/// has for the cause, such as `FileNotFoundError`) for files, `MemoryError`, and `RuntimeError`;
+/// the exception itself for an error of [`raised`].
 pub fn exception(error: Error) -> PyErr {
+    if let Some(raised) = error.source().and_then(|cause| cause.downcast_ref::<PyErr>()) {
+        return Python::attach(|py| raised.clone_ref(py));
+    }
     let message = error.to_string();
     match &error {
         Error::Shape { .. }
@@ -24,6 +28,12 @@ pub fn exception(error: Error) -> PyErr {
         },
         _ => PyRuntimeError::new_err(message),
     }
+}
+
+/// An exception of code that the library calls back, as an error of the library.
+pub fn raised(error: PyErr) -> Error {
+    let what = error.to_string();
+    Error::Io { path: "Python".into(), line: None, what, cause: Some(error.into()) }
 }
 
 /// The exception for a panic, which is a bug of the library.

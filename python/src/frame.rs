@@ -10,7 +10,7 @@ use pyo3::intern;
 use pyo3::prelude::*;
 
 use crate::array::{Array, untyped};
-use crate::error::exception;
+use crate::error::{exception, raised};
 
 /// Entries that are converted at a time.
 const BLOCK: usize = 1 << 20;
@@ -76,7 +76,7 @@ impl Frame {
         });
         match read {
             Some(Ok(())) => Ok(()),
-            Some(Err(error)) => Err(Error::Argument { what: self.name, why: error.to_string() }),
+            Some(Err(error)) => Err(raised(error)),
             // The interpreter has ended.
             None => Err(Error::Cancelled),
         }

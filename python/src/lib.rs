@@ -11,18 +11,23 @@ mod ata;
 mod cholesky;
 mod curve;
 mod decimate;
+mod descriptor;
 mod distance;
 mod environment;
 mod error;
 mod exclusive;
 mod frame;
 mod gram;
+mod isosurface;
+mod measure;
 mod mesh;
 mod mesh_file;
+mod operators;
 mod options;
 mod ortho;
 mod plant;
 mod product_plan;
+mod region;
 mod repair;
 mod scalar;
 mod sparse;
@@ -33,6 +38,7 @@ mod tables;
 mod task;
 mod texture;
 mod unions;
+mod verify;
 
 /// The functions and classes that the Python files call.
 #[pyo3::pymodule(gil_used = true)]
@@ -46,9 +52,11 @@ mod _catamaran {
     #[pymodule_export]
     use crate::cholesky::CholeskyHandle;
     #[pymodule_export]
-    use crate::curve::curve;
+    use crate::curve::{curve, draw, place};
     #[pymodule_export]
     use crate::decimate::{decimate, farthest_points};
+    #[pymodule_export]
+    use crate::descriptor::{geodesic_rings, shot};
     #[pymodule_export]
     use crate::distance::{distances, shortest_path};
     #[pymodule_export]
@@ -56,9 +64,15 @@ mod _catamaran {
     #[pymodule_export]
     use crate::gram::{corrcoef, lstsq, lstsq_table, orthogonality, pca, scores, svd, t_quantile};
     #[pymodule_export]
+    use crate::isosurface::{isosurface, label_surface};
+    #[pymodule_export]
+    use crate::measure::{compare, component, difference, measure, quality, submesh, validate};
+    #[pymodule_export]
     use crate::mesh::{laplacian, shape};
     #[pymodule_export]
-    use crate::mesh_file::{read_mesh, write_mesh};
+    use crate::mesh_file::{mesh_from_bytes, mesh_to_bytes, read_mesh, write_mesh};
+    #[pymodule_export]
+    use crate::operators::{cloud_laplacian, dirichlet_energies, gradient};
     #[pymodule_export]
     use crate::options::{get_num_threads, set_num_threads};
     #[pymodule_export]
@@ -68,20 +82,26 @@ mod _catamaran {
     #[pymodule_export]
     use crate::product_plan::{Plan, plan};
     #[pymodule_export]
+    use crate::region::{cut, enclosed_faces, region_boundary};
+    #[pymodule_export]
     use crate::repair::repair;
     #[pymodule_export]
     use crate::spectral::{
-        Eigenbasis, eigenbasis, eigenproducts, functional_map, shape_from_spectrum, transfer,
-        transfer_details,
+        Eigenbasis, eigenbasis, eigenproducts, functional_map, product_map, shape_from_spectrum,
+        transfer, transfer_details,
     };
     #[pymodule_export]
-    use crate::spectrum::{eigsh, eigsh_ranks, eigsh_sparse};
+    use crate::spectrum::{
+        count_below, eigsh, eigsh_ranks, eigsh_sparse, free_components_mesh, free_components_sparse,
+    };
     #[pymodule_export]
     use crate::tables::read;
     #[pymodule_export]
     use crate::texture::{newton, slime};
     #[pymodule_export]
-    use crate::unions::{locate_union, shape_dna, union_spectrum};
+    use crate::unions::{interpolate_spectra, locate_union, shape_dna, union_spectrum};
+    #[pymodule_export]
+    use crate::verify::verify;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

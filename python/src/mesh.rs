@@ -1,6 +1,6 @@
 //! Meshes as arrays of vertices and faces, generated ones, and their Laplacians.
 
-use catamaran_geometry::mesh::{TriMesh, families, laplacian as assemble};
+use catamaran_geometry::mesh::{Part, Refined, TriMesh, families, laplacian as assemble};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
@@ -66,6 +66,33 @@ pub fn arrays(py: Python<'_>, mesh: TriMesh) -> PyResult<Mesh<'_>> {
     let (vertices, faces) = mesh.into_parts();
     let faces = faces.into_iter().map(|face| face.map(i64::from)).collect();
     Ok((from_rows(py, vertices)?.into_any(), from_rows(py, faces)?.into_any()))
+}
+
+/// Numbers of vertices or faces as an array.
+pub fn numbers(py: Python<'_>, all: impl IntoIterator<Item = u32>) -> Bound<'_, PyAny> {
+    from_vec(py, all.into_iter().map(i64::from).collect::<Vec<i64>>()).into_any()
+}
+
+/// A part of a mesh, and the numbers that its vertices and faces have there.
+pub type PartArrays<'py> = (Mesh<'py>, Bound<'py, PyAny>, Bound<'py, PyAny>);
+
+/// A part of a mesh as arrays.
+pub fn part(py: Python<'_>, part: Part) -> PyResult<PartArrays<'_>> {
+    let Part { mesh, vertices, faces } = part;
+    Ok((arrays(py, mesh)?, numbers(py, vertices), numbers(py, faces)))
+}
+
+/// A finer mesh; for each of its faces the coarse one, for each vertex three coarse ones and their
+/// weights.
+pub type RefinedArrays<'py> = (Mesh<'py>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
+
+/// A finer mesh as arrays.
+pub fn refined(py: Python<'_>, refined: Refined) -> PyResult<RefinedArrays<'_>> {
+    let Refined { mesh, faces, vertices } = refined;
+    let corners = vertices.iter().map(|origin| origin.vertices.map(i64::from)).collect();
+    let weights = vertices.iter().map(|origin| origin.weights).collect();
+    let origins = (from_rows(py, corners)?.into_any(), from_rows(py, weights)?.into_any());
+    Ok((arrays(py, mesh)?, numbers(py, faces), origins.0, origins.1))
 }
 
 /// A generated mesh; see `catamaran.shapes`.

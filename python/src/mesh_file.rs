@@ -3,13 +3,17 @@
 use std::path::PathBuf;
 
 use catamaran::io::{Output, Overwrite};
-use catamaran_geometry::mesh::io::{Attribute, MeshFile, MeshFormat, Scalars, read, write_as};
+use catamaran_geometry::mesh::io::{
+    Attribute, GltfEncoding, MeshFile, MeshFormat, PlyEncoding, Scalars, StlEncoding, VtkEncoding,
+    read, read_bytes, write_as, write_bytes,
+};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
 
 use crate::array::{Array, from_rows, from_vec};
 use crate::error::{exception, refused};
 use crate::mesh::{arrays, mesh};
+use crate::options::word;
 use crate::task::{Length, run};
 
 /// Values of the corners of faces: three for each face, NaN where a face has none.
@@ -19,14 +23,48 @@ fn corners<const N: usize>(file: &MeshFile, attribute: &Attribute<N>) -> Vec<[f6
     (0..faces).flat_map(|f| attribute.of_face(&file.mesh, f).unwrap_or(none)).collect()
 }
 
-/// Vertices, faces and a dictionary of attributes; see `catamaran.read_mesh`.
+/// Vertices, faces and a dictionary of attributes.
+type FileParts<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyDict>);
+
+/// The content of a file; see `catamaran.read_mesh`.
 #[pyfunction]
 #[pyo3(signature = (path))]
-pub fn read_mesh(
-    py: Python<'_>,
-    path: PathBuf,
-) -> PyResult<(Bound<'_, PyAny>, Bound<'_, PyAny>, Bound<'_, PyDict>)> {
-    let file = run(py, Length::Long, None, move |_| read(&path))?;
+pub fn read_mesh(py: Python<'_>, path: PathBuf) -> PyResult<FileParts<'_>> {
+    content(py, run(py, Length::Long, None, move |_| read(&path))?)
+}
+
+/// The content of a file in memory; see `catamaran.mesh_from_bytes`.
+#[pyfunction]
+#[pyo3(signature = (data, format))]
+pub fn mesh_from_bytes<'py>(
+    py: Python<'py>,
+    data: &[u8],
+    format: &str,
+) -> PyResult<FileParts<'py>> {
+    let format = format_of(format)?;
+    content(py, run(py, Length::Long, None, move |_| read_bytes(data, format))?)
+}
+
+fn format_of(name: &str) -> PyResult<MeshFormat> {
+    let known = [
+        ("obj", MeshFormat::Obj),
+        ("ply", MeshFormat::Ply(PlyEncoding::LittleEndian)),
+        ("off", MeshFormat::Off),
+        ("stl", MeshFormat::Stl(StlEncoding::Binary)),
+        ("glb", MeshFormat::Gltf(GltfEncoding::Binary)),
+        ("gltf", MeshFormat::Gltf(GltfEncoding::Text)),
+        ("vtk", MeshFormat::Vtk(VtkEncoding::Binary)),
+        ("vtp", MeshFormat::VtkXml),
+        ("vtu", MeshFormat::VtkXml),
+        ("gii", MeshFormat::Gifti),
+        ("white", MeshFormat::FreeSurfer),
+        ("msh", MeshFormat::Gmsh),
+        ("3mf", MeshFormat::ThreeMf),
+    ];
+    word("format", name, &known)
+}
+
+fn content(py: Python<'_>, file: MeshFile) -> PyResult<FileParts<'_>> {
     let more = PyDict::new(py);
     let faces = file.mesh.faces().len();
     if let Some(uv) = &file.uv {
@@ -75,6 +113,40 @@ pub fn write_mesh<'py>(
     overwrite: bool,
     text: bool,
 ) -> PyResult<Vec<String>> {
+    let file = file_of((v, f), colors, uv)?;
+    let overwrite = if overwrite { Overwrite::Replace } else { Overwrite::Never };
+    let format = as_text(MeshFormat::of(&path).map_err(exception)?, text)?;
+    run(py, Length::Long, None, move |_| write_as(Output::create(&path, overwrite)?, &file, format))
+}
+
+/// A file in memory, and the notes of [`write_mesh`]; see `catamaran.mesh_to_bytes`.
+#[pyfunction]
+#[pyo3(signature = (v, f, format, colors, uv, text))]
+pub fn mesh_to_bytes<'py>(
+    py: Python<'py>,
+    v: &Bound<'py, PyAny>,
+    f: &Bound<'py, PyAny>,
+    format: &str,
+    colors: Option<&Bound<'py, PyAny>>,
+    uv: Option<&Bound<'py, PyAny>>,
+    text: bool,
+) -> PyResult<(Bound<'py, PyBytes>, Vec<String>)> {
+    let (file, format) = (file_of((v, f), colors, uv)?, as_text(format_of(format)?, text)?);
+    let (bytes, notes) = run(py, Length::Long, None, move |_| write_bytes(&file, format))?;
+    Ok((PyBytes::new(py, &bytes), notes))
+}
+
+fn as_text(format: MeshFormat, text: bool) -> PyResult<MeshFormat> {
+    let why = "this format has no text with every digit";
+    if text { format.as_text().ok_or_else(|| refused("text", why)) } else { Ok(format) }
+}
+
+/// A mesh with colours of vertices and texture coordinates of corners.
+fn file_of(
+    (v, f): (&Bound<'_, PyAny>, &Bound<'_, PyAny>),
+    colors: Option<&Bound<'_, PyAny>>,
+    uv: Option<&Bound<'_, PyAny>>,
+) -> PyResult<MeshFile> {
     let mut file = MeshFile::from(mesh(v, f)?);
     if let Some(colors) = colors {
         let colors = Array::<f64>::new("colors", colors, &[2])?;
@@ -91,13 +163,7 @@ pub fn write_mesh<'py>(
     if let Some(uv) = uv {
         file.uv = Some(texture_coordinates(uv, file.mesh.faces().len())?);
     }
-    let overwrite = if overwrite { Overwrite::Replace } else { Overwrite::Never };
-    let mut format = MeshFormat::of(&path).map_err(exception)?;
-    if text {
-        let why = "this format has no text with every digit";
-        format = format.as_text().ok_or_else(|| refused("text", why))?;
-    }
-    run(py, Length::Long, None, move |_| write_as(Output::create(&path, overwrite)?, &file, format))
+    Ok(file)
 }
 
 /// Texture coordinates of the corners of faces, faces x 3 x 2; a face of NaN alone has none.

@@ -1,8 +1,9 @@
 //! Words and numbers of Python as options of the library.
 
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use catamaran::{Accuracy, AtaOptions, Par, SchemeChoice, Uplo};
+use catamaran::{Accuracy, AtaOptions, Par, SchemeChoice, Uplo, blas};
 use catamaran_geometry::mesh::{Boundary, LaplacianKind, LaplacianOptions, MassKind};
 use catamaran_geometry::spectral::Orthogonalization;
 use numpy::{PyArrayDescrMethods, PyUntypedArrayMethods};
@@ -11,7 +12,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyString, PyTuple};
 
 use crate::array::{Array, untyped};
-use crate::error::refused;
+use crate::error::{exception, refused};
 
 /// The value that a word stands for.
 pub fn word<T: Copy>(name: &str, found: &str, known: &[(&str, T)]) -> PyResult<T> {
@@ -119,7 +120,8 @@ pub fn par(threads: Threads) -> PyResult<Par> {
     }
 }
 
-/// How products are computed, as a tuple: uplo, scheme, accuracy, reproducible, threads.
+/// How products are computed, as a tuple: uplo, scheme, accuracy, reproducible, threads, and the
+/// path of a BLAS or None.
 pub struct Products<'py>(pub Bound<'py, PyTuple>);
 
 impl<'py> FromPyObject<'_, 'py> for Products<'py> {
@@ -133,9 +135,9 @@ impl<'py> FromPyObject<'_, 'py> for Products<'py> {
 impl Products<'_> {
     /// As options of the library.
     pub fn options(&self) -> PyResult<AtaOptions<'static>> {
-        let [part, scheme, error, reproducible, threads] =
-            [0, 1, 2, 3, 4].map(|i| self.0.get_item(i));
-        Ok(AtaOptions::new()
+        let [part, scheme, error, reproducible, threads, backend] =
+            [0, 1, 2, 3, 4, 5].map(|i| self.0.get_item(i));
+        let options = AtaOptions::new()
             .uplo(uplo(&extracted::<String>("uplo", &part?)?)?)
             .scheme(word(
                 "scheme",
@@ -144,7 +146,11 @@ impl Products<'_> {
             )?)
             .accuracy(accuracy(&error?)?)
             .reproducible(extracted("reproducible", &reproducible?)?)
-            .par(par(threads?.extract()?)?))
+            .par(par(threads?.extract()?)?);
+        Ok(match extracted::<Option<PathBuf>>("backend", &backend?)? {
+            Some(path) => options.backend(blas::load(&path).map_err(exception)?),
+            None => options,
+        })
     }
 }
 
@@ -203,7 +209,8 @@ pub fn laplacian_kind(kind: &str) -> PyResult<LaplacianKind> {
     word("kind", kind, &known)
 }
 
-fn limits(boundary: &Bound<'_, PyAny>) -> PyResult<Boundary> {
+/// Where functions are zero: a word or an array of vertices.
+pub fn limits(boundary: &Bound<'_, PyAny>) -> PyResult<Boundary> {
     if let Ok(name) = boundary.cast::<PyString>() {
         let known = [("neumann", false), ("dirichlet", true)];
         let dirichlet = word("boundary", name.to_cow()?.as_ref(), &known)?;
@@ -214,6 +221,26 @@ fn limits(boundary: &Bound<'_, PyAny>) -> PyResult<Boundary> {
 
 /// Numbers of vertices, from 0; whether a mesh has them is for the library to say.
 pub fn vertices(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<u32>> {
+    numbers(name, "vertex", object)
+}
+
+/// Numbers of faces, as [`vertices`] has those of vertices.
+pub fn faces(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<u32>> {
+    numbers(name, "face", object)
+}
+
+/// Pairs of vertices, a row each.
+pub fn pairs(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 2]>> {
+    let array = Array::<i64>::new(name, object, &[2])?;
+    let view = array.view();
+    if view.ncols() != 2 {
+        return Err(refused(name, format_args!("expected 2 columns, got {}", view.ncols())));
+    }
+    let number = |v: i64| vertex(name, v);
+    (0..view.nrows()).map(|i| Ok([number(view[(i, 0)])?, number(view[(i, 1)])?])).collect()
+}
+
+fn numbers(name: &str, of: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<u32>> {
     let array = untyped(name, object)?;
     if array.dtype().kind() == b'b' {
         // A mask would be the vertices 0 and 1.
@@ -222,13 +249,17 @@ pub fn vertices(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<u32>> {
     }
     let array = Array::<i64>::new(name, &array, &[1])?;
     let entries = array.entries();
-    entries.iter().map(|&v| vertex(name, v)).collect()
+    entries.iter().map(|&number| number_of(name, of, number)).collect()
 }
 
 /// The number of a vertex, as [`vertices`] has them.
 pub fn vertex(name: &str, number: i64) -> PyResult<u32> {
+    number_of(name, "vertex", number)
+}
+
+fn number_of(name: &str, of: &str, number: i64) -> PyResult<u32> {
     u32::try_from(number)
-        .map_err(|_| refused(name, format_args!("{number} is not the number of a vertex")))
+        .map_err(|_| refused(name, format_args!("{number} is not the number of a {of}")))
 }
 
 /// How products of eigenfunctions are orthogonalized.

@@ -25,6 +25,7 @@ scalars! {
     f64, NPY_TYPES::NPY_DOUBLE, "float64";
     catamaran::faer::c32, NPY_TYPES::NPY_CFLOAT, "complex64";
     catamaran::faer::c64, NPY_TYPES::NPY_CDOUBLE, "complex128";
+    u8, NPY_TYPES::NPY_UBYTE, "uint8";
     i64, NPY_TYPES::NPY_LONG, "int64";
     usize, NPY_TYPES::NPY_ULONG, "uint64";
 }

@@ -6,21 +6,22 @@ use catamaran::faer::{Mat, Scale};
 use catamaran::sparse::{EigenOptions, Mass, eigs};
 use catamaran_geometry::mesh::{Boundary, LaplacianOptions, laplacian};
 use catamaran_geometry::spectral::descriptors::{
-    heat_kernel_signature, heat_times, wave_kernel_signature, wave_scales,
+    global_point_signature, heat_kernel_signature, heat_times, wave_kernel_signature, wave_scales,
 };
 use catamaran_geometry::spectral::functional_map::{
     MapFit, icp, map_from_points, points_from_map, zoomout,
 };
 use catamaran_geometry::spectral::{
-    Eigenbasis as Basis, Orthogonalization, ProductBasis, ProductBasisOptions, ShapeOptions,
-    Transfer, filter, shape_from_spectrum as deformed, transfer_details as details,
+    Eigenbasis as Basis, Orthogonalization, ProductBasis, ProductBasisOptions, ProductMap,
+    ShapeOptions, Transfer, add_coefficient, filter, shape_from_spectrum as deformed,
+    transfer_details as details, transform_by_columns, transform_of_all_products,
 };
 use pyo3::prelude::*;
 
 use crate::array::{Array, from_matrix, from_vec};
 use crate::error::{exception, refused};
-use crate::mesh::{Mesh, arrays, mesh};
-use crate::options::{Threads, laplacian_kind, orthogonalization, par, vertex, vertices, word};
+use crate::mesh::{Mesh, arrays, mesh, numbers};
+use crate::options::{Threads, laplacian_kind, orthogonalization, pairs, par, vertices, word};
 use crate::sparse::{Parts, mass as mass_of, mass_parts};
 use crate::surface::{Pieces, Surface};
 use crate::task::{Length, run};
@@ -148,6 +149,28 @@ impl Eigenbasis {
         Ok(from_matrix(py, found.as_ref())?.into_any())
     }
 
+    /// Functions with `amount` more of one coefficient.
+    #[pyo3(signature = (f, index, amount))]
+    fn _add_coefficient<'py>(
+        &self,
+        py: Python<'py>,
+        f: &Bound<'py, PyAny>,
+        index: usize,
+        amount: f64,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let f = Array::<f64>::new("functions", f, &[1, 2])?;
+        let _nearest = FloatEnv::nearest();
+        let found = add_coefficient(self.basis.basis(), f.view(), index, amount);
+        Ok(from_matrix(py, found.map_err(exception)?.as_ref())?.into_any())
+    }
+
+    /// Global point signatures.
+    fn _point_signature<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let _nearest = FloatEnv::nearest();
+        let found = global_point_signature(self.basis.values(), self.basis.functions());
+        Ok(from_matrix(py, found.map_err(exception)?.as_ref())?.into_any())
+    }
+
     /// Heat kernel signatures at these times, or at the usual ones, and the times.
     #[pyo3(signature = (times, count, threads))]
     fn _heat_signature<'py>(
@@ -259,7 +282,7 @@ pub fn functional_map<'py>(
     let known =
         [("none", Refinement::None), ("icp", Refinement::Icp), ("zoomout", Refinement::ZoomOut)];
     let refine = word("refine", refine, &known)?;
-    let pairs = landmarks.map(pairs_of_vertices).transpose()?;
+    let landmarks = landmarks.map(|rows| pairs("landmarks", rows)).transpose()?;
     let known = functions
         .map(|(f, g)| {
             let f = Array::<f64>::new("functions", &f, &[2])?;
@@ -271,8 +294,9 @@ pub fn functional_map<'py>(
     let found = run(py, Length::Long, progress, move |progress| {
         let low = (source.truncated(k.0)?, target.truncated(k.1)?);
         let mut fit = MapFit::new(&low.0, &low.1, par);
-        if let Some(pairs) = &pairs {
-            fit.landmarks(pairs)?;
+        if let Some(pairs) = &landmarks {
+            let pairs: Vec<(u32, u32)> = pairs.iter().map(|&[v, w]| (v, w)).collect();
+            fit.landmarks(&pairs)?;
         }
         if let Some((f, g)) = known {
             fit.functions(f, g)?;
@@ -284,8 +308,7 @@ pub fn functional_map<'py>(
         let c = fit.solve(commutativity)?;
         refined(c, (source, target), &low, refine, par, progress)
     })?;
-    let points: Vec<i64> = found.1.iter().map(|&v| i64::from(v)).collect();
-    Ok((from_matrix(py, found.0.as_ref())?.into_any(), from_vec(py, points).into_any()))
+    Ok((from_matrix(py, found.0.as_ref())?.into_any(), numbers(py, found.1)))
 }
 
 fn refined(
@@ -323,14 +346,37 @@ fn wave_signatures(source: &Basis, target: &Basis, par: Par) -> catamaran::Resul
     Ok([signature(&source)?, signature(&target)?])
 }
 
-fn pairs_of_vertices(pairs: &Bound<'_, PyAny>) -> PyResult<Vec<(u32, u32)>> {
-    let array = Array::<i64>::new("landmarks", pairs, &[2])?;
-    let view = array.view();
-    if view.ncols() != 2 {
-        return Err(refused("landmarks", format_args!("expected 2 columns, got {}", view.ncols())));
-    }
-    let number = |v: i64| vertex("landmarks", v);
-    (0..view.nrows()).map(|i| Ok((number(view[(i, 0)])?, number(view[(i, 1)])?))).collect()
+/// The map of orthogonalized products that a functional map implies; see `catamaran.product_map`.
+#[pyfunction]
+#[pyo3(signature = (source, target, map, order, method, all, threads, progress))]
+pub fn product_map<'py>(
+    py: Python<'py>,
+    source: &Bound<'py, Eigenbasis>,
+    target: &Bound<'py, Eigenbasis>,
+    map: &Bound<'py, PyAny>,
+    order: usize,
+    method: &str,
+    all: bool,
+    threads: Threads,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let (method, par) = (orthogonalization(method)?, par(threads)?);
+    let map = Array::<f64>::new("map", map, &[2])?;
+    let (source, target, c) = (&source.get().basis, &target.get().basis, map.view());
+    let found = run(py, Length::Long, progress, move |progress| {
+        let (source, target) = (source.truncated(c.ncols())?, target.truncated(c.nrows())?);
+        let products = |basis: &Basis, part| {
+            let options = ProductBasisOptions::new().orthogonalization(method).par(par);
+            ProductBasis::new(basis, order, &options.progress(progress.part(part)))
+        };
+        let (from, to) = (products(&source, 0.0..0.4)?, products(&target, 0.4..0.8)?);
+        let map = ProductMap::new(c, &source, &target, order)?;
+        match all {
+            true => transform_of_all_products(&map, &from, &to, par),
+            false => transform_by_columns(&map, &from, &to, par),
+        }
+    })?;
+    Ok(from_matrix(py, found.as_ref())?.into_any())
 }
 
 /// How functions go from a mesh to another one.

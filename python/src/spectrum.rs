@@ -1,15 +1,20 @@
 //! Eigenpairs of Laplacians and of other sparse pencils.
 
 use catamaran::base::Progress;
-use catamaran::sparse::{CsMatView, EigenOptions, Eigenpairs, Mass, eigs, free_components};
+use catamaran::faer::Mat;
+use catamaran::sparse::{
+    CsMat, CsMatView, EigenOptions, Mass, count_below as below, eigs, eigs_sliced, eigs_two_level,
+    free_components, select,
+};
 use catamaran::{Error, Par};
-use catamaran_geometry::mesh::laplacian;
+use catamaran_geometry::mesh::{free_components as free_components_on, laplacian};
 #[cfg(not(feature = "mpi"))]
 use pyo3::exceptions::PyNotImplementedError;
 use pyo3::prelude::*;
 
 use crate::array::{from_matrix, from_vec};
-use crate::options::{Threads, arguments, laplacian as laplacian_options, par};
+use crate::error::{raised, refused};
+use crate::options::{Threads, arguments, laplacian as laplacian_options, limits, par};
 use crate::sparse::{Csr, mass as mass_of};
 use crate::surface::{Pieces, Surface};
 use crate::task::{Length, run};
@@ -22,11 +27,49 @@ arguments! {
         tol: f64,
         verify_count: bool,
         seed: u64,
+        /// A matrix by rows, whose columns span the space that pairs are sought in.
+        prolongation: Option<Py<PyAny>>,
+        /// Bytes for a slice, and what takes slices.
+        memory: Option<usize>,
+        sink: Option<Py<PyAny>>,
         threads: Threads,
     }
 }
 
+/// How pairs are found, and where they go.
+enum Way {
+    Whole,
+    Coarse(CsMat<f64>),
+    Slices(usize, Py<PyAny>),
+}
+
+/// Gives the pairs of a slice to a function of Python.
+fn give(sink: &Py<PyAny>, values: &[f64], vectors: &Mat<f64>) -> catamaran::Result<()> {
+    let given = Python::try_attach(|py| -> PyResult<()> {
+        let vectors = from_matrix(py, vectors.as_ref())?;
+        sink.call1(py, (from_vec(py, values.to_vec()), vectors))?;
+        Ok(())
+    });
+    // Without an interpreter nobody takes them.
+    given.unwrap_or(Ok(())).map_err(raised)
+}
+
 impl Search {
+    fn way(&self, py: Python<'_>) -> PyResult<Way> {
+        Ok(match (&self.prolongation, self.memory, &self.sink) {
+            (None, None, None) => Way::Whole,
+            (Some(weights), None, None) => {
+                let weights = weights.bind(py).extract::<Csr<'_>>()?;
+                Way::Coarse(weights.matrix("prolongation")?.to_matrix()?)
+            }
+            (None, Some(memory), Some(sink)) => Way::Slices(memory, sink.clone_ref(py)),
+            (Some(_), ..) => {
+                return Err(refused("prolongation", "not together with memory and sink"));
+            }
+            _ => return Err(refused("memory", "together with sink, which takes the slices")),
+        })
+    }
+
     fn options<'p>(&self, par: Par, progress: Progress<'p>) -> EigenOptions<'p> {
         EigenOptions::new()
             .k(self.k)
@@ -38,23 +81,39 @@ impl Search {
             .progress(progress)
     }
 
+    /// Values and vectors, which `extend` brings to the rows of the caller; no vectors where they
+    /// went to a sink.
     fn pairs(
         &self,
-        stiffness: CsMatView<'_, f64>,
-        mass: &Mass,
+        (stiffness, mass): (CsMatView<'_, f64>, &Mass),
+        way: &Way,
         par: Par,
         progress: Progress<'_>,
-    ) -> catamaran::Result<Eigenpairs> {
-        eigs(stiffness, mass, &self.options(par, progress))
+        extend: impl Fn(Mat<f64>) -> catamaran::Result<Mat<f64>>,
+    ) -> catamaran::Result<(Vec<f64>, Mat<f64>)> {
+        let options = self.options(par, progress);
+        let found = match way {
+            Way::Whole => eigs(stiffness, mass, &options)?,
+            Way::Coarse(weights) => eigs_two_level(stiffness, mass, weights.view(), &options)?,
+            Way::Slices(memory, sink) => {
+                let mut values = Vec::new();
+                eigs_sliced(stiffness, mass, &options, *memory, |slice| {
+                    give(sink, &slice.values, &extend(slice.vectors)?)?;
+                    values.extend(slice.values);
+                    Ok(())
+                })?;
+                return Ok((values, extend(Mat::zeros(stiffness.rows(), 0))?));
+            }
+        };
+        Ok((found.values, extend(found.vectors)?))
     }
 }
 
 /// Values, vectors.
 type Pairs<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>);
 
-fn arrays(py: Python<'_>, pairs: Eigenpairs) -> PyResult<Pairs<'_>> {
-    let vectors = from_matrix(py, pairs.vectors.as_ref())?;
-    Ok((from_vec(py, pairs.values).into_any(), vectors.into_any()))
+fn arrays(py: Python<'_>, (values, vectors): (Vec<f64>, Mat<f64>)) -> PyResult<Pairs<'_>> {
+    Ok((from_vec(py, values).into_any(), from_matrix(py, vectors.as_ref())?.into_any()))
 }
 
 /// Eigenpairs of the Laplacian of a mesh, and its components; see `catamaran.eigsh`.
@@ -73,18 +132,41 @@ pub fn eigsh<'py>(
 ) -> PyResult<(Pairs<'py>, Pieces)> {
     let par = par(search.threads)?;
     let mut options = laplacian_options(kind, mass, boundary, par)?;
-    let surface = Surface::new(v, f, weld)?;
+    let (mut way, surface) = (search.way(py)?, Surface::new(v, f, weld)?);
     options.boundary = surface.boundary(options.boundary);
     let (pairs, pieces) = run(py, Length::Long, progress, move |progress| {
         let found = laplacian(&surface.mesh, &options)?;
-        let mut pairs = search.pairs(found.stiffness.view(), &found.mass, par, progress)?;
-        if found.kept.len() < found.vertices {
-            pairs.vectors = found.extend(pairs.vectors.as_ref())?;
+        if let Way::Coarse(weights) = &mut way {
+            *weights = of_rows(weights, &found.kept, surface.firsts())?;
         }
-        pairs.vectors = surface.extend(pairs.vectors);
+        let extend = |mut vectors: Mat<f64>| -> catamaran::Result<Mat<f64>> {
+            if found.kept.len() < found.vertices {
+                vectors = found.extend(vectors.as_ref())?;
+            }
+            Ok(surface.extend(vectors))
+        };
+        let pencil = (found.stiffness.view(), &found.mass);
+        let pairs = search.pairs(pencil, &way, par, progress, extend)?;
         Ok::<_, Error>((pairs, surface.pieces(&options.boundary)?))
     })?;
     Ok((arrays(py, pairs)?, pieces))
+}
+
+/// The rows of a prolongation that belong to the rows of the matrices: `kept` vertices of the mesh,
+/// which are the `firsts` of the caller.
+fn of_rows(
+    weights: &CsMat<f64>,
+    kept: &[usize],
+    firsts: impl Fn(usize) -> usize,
+) -> catamaran::Result<CsMat<f64>> {
+    let (n, columns) = weights.shape();
+    let rows: Vec<usize> = kept.iter().map(|&v| firsts(v)).collect();
+    if let Some(row) = rows.iter().find(|&&row| row >= n) {
+        let why = format!("no row for vertex {row}: it has {n} rows");
+        return Err(Error::Argument { what: "prolongation", why });
+    }
+    let all: Vec<Option<usize>> = (0..columns).map(Some).collect();
+    Ok(select(weights.view(), &rows, &all, columns))
 }
 
 /// Eigenpairs of a sparse symmetric matrix, and the number of components of its graph whose rows
@@ -98,14 +180,59 @@ pub fn eigsh_sparse<'py>(
     search: Search,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Pairs<'py>, usize)> {
-    let par = par(search.threads)?;
+    let (par, way) = (par(search.threads)?, search.way(py)?);
     let a = a.matrix("a")?.to_matrix()?;
     let mass = mass_of(mass, a.rows())?;
     let (pairs, free) = run(py, Length::Long, progress, move |progress| {
-        let pairs = search.pairs(a.view(), &mass, par, progress)?;
+        let pairs = search.pairs((a.view(), &mass), &way, par, progress, Ok)?;
         Ok::<_, Error>((pairs, free_components(a.view(), &mass)?))
     })?;
     Ok((arrays(py, pairs)?, free))
+}
+
+/// The number of eigenvalues of a sparse symmetric matrix below a value; see
+/// `catamaran.count_below`.
+#[pyfunction]
+#[pyo3(signature = (a, mass, value))]
+pub fn count_below<'py>(
+    py: Python<'py>,
+    a: Csr<'py>,
+    mass: Option<&Bound<'py, PyAny>>,
+    value: f64,
+) -> PyResult<usize> {
+    let a = a.matrix("a")?.to_matrix()?;
+    let mass = mass_of(mass, a.rows())?;
+    run(py, Length::Long, None, move |_| below(a.view(), &mass, value))
+}
+
+/// The number of components of the graph of a matrix whose rows sum to zero; see
+/// `catamaran.free_components`.
+#[pyfunction]
+#[pyo3(signature = (a, mass))]
+pub fn free_components_sparse<'py>(
+    py: Python<'py>,
+    a: Csr<'py>,
+    mass: Option<&Bound<'py, PyAny>>,
+) -> PyResult<usize> {
+    let a = a.matrix("a")?.to_matrix()?;
+    let mass = mass_of(mass, a.rows())?;
+    run(py, Length::Long, None, move |_| free_components(a.view(), &mass))
+}
+
+/// The number of components of a mesh without a vertex held at zero; see
+/// `catamaran.free_components`.
+#[pyfunction]
+#[pyo3(signature = (v, f, boundary, weld))]
+pub fn free_components_mesh<'py>(
+    py: Python<'py>,
+    v: &Bound<'py, PyAny>,
+    f: &Bound<'py, PyAny>,
+    boundary: &Bound<'py, PyAny>,
+    weld: bool,
+) -> PyResult<usize> {
+    let surface = Surface::new(v, f, weld)?;
+    let boundary = surface.boundary(limits(boundary)?);
+    run(py, Length::Long, None, move |_| free_components_on(&surface.mesh, &boundary))
 }
 
 /// Eigenpairs of a sparse symmetric matrix of which every rank of a communicator, named by its
@@ -128,7 +255,7 @@ pub fn eigsh_ranks<'py>(
         let world = catamaran::ranks::World::from_fortran(comm)?;
         catamaran::ranks::eigs(&world, a.view(), &mass, &search.options(par, progress))
     })?;
-    arrays(py, pairs)
+    arrays(py, (pairs.values, pairs.vectors))
 }
 
 /// Says that this package was built without MPI.

@@ -2,13 +2,15 @@
 
 use std::path::PathBuf;
 
+use catamaran::base::FloatEnv;
 use catamaran_geometry::mesh::{Boundary, LaplacianOptions};
 use catamaran_geometry::unions::{
-    K, PartSpectra, ShapeDnaOptions, SpectralUnion, shape_dna as signature,
+    K, PartSpectra, ShapeDnaOptions, SpectralUnion, interpolate, shape_dna as signature,
 };
 use pyo3::prelude::*;
 
 use crate::array::{Array, from_vec};
+use crate::error::exception;
 use crate::mesh::mesh;
 use crate::options::{Threads, laplacian_kind, par};
 use crate::surface::{Pieces, Surface};
@@ -120,6 +122,22 @@ pub fn union_spectrum<'py>(
     })?;
     let spectra = spectra.into_iter().map(|values| from_vec(py, values).into_any()).collect();
     Ok((from_vec(py, union).into_any(), spectra, pieces, ood_score))
+}
+
+/// A spectrum between two; see `catamaran.interpolate_spectra`.
+#[pyfunction]
+#[pyo3(signature = (first, second, t))]
+pub fn interpolate_spectra<'py>(
+    py: Python<'py>,
+    first: &Bound<'py, PyAny>,
+    second: &Bound<'py, PyAny>,
+    t: f64,
+) -> PyResult<Bound<'py, PyAny>> {
+    let _nearest = FloatEnv::nearest();
+    let first = Array::<f64>::new("first", first, &[1])?;
+    let second = Array::<f64>::new("second", second, &[1])?;
+    let found = interpolate(&first.entries(), &second.entries(), t).map_err(exception)?;
+    Ok(from_vec(py, found.to_vec()).into_any())
 }
 
 /// Where a union is on the template, and the components of the parts that are meshes; see

@@ -63,6 +63,10 @@ def test_every_chapter_tells_its_progress():
         lambda progress: catamaran.newton(size=8, progress=progress),
         lambda progress: catamaran.eigenproducts(v, f, 3, progress=progress),
         lambda progress: catamaran.transfer((v, f), (v, f), v, k=3, progress=progress),
+        lambda progress: catamaran.draw(v, f, [([0, 5, 9], {})], progress=progress),
+        lambda progress: catamaran.shot(v, f, 0.5, progress=progress),
+        lambda progress: catamaran.cloud_laplacian(v, progress=progress),
+        lambda progress: catamaran.isosurface(np.ones((2, 2, 2)), progress=progress),
     ]
     for call in calls:
         told = []

@@ -66,6 +66,44 @@ def test_a_column_without_numbers_is_named():
         catamaran.pca(table)
 
 
+def test_an_exception_of_a_frame_is_raised_as_it_is(rng):
+    class Gone(Exception):
+        pass
+
+    class Vanishing(Table):
+        def slice(self, first, count):
+            if first > 0:
+                raise Gone("the file is gone", first)
+            return super().slice(first, count)
+
+    m = 400_000
+    table = Vanishing([rng.standard_normal(m) for _ in range(3)])
+    calls = [
+        lambda: catamaran.lstsq(table, np.ones(m)),
+        lambda: catamaran.pca(table),
+        lambda: catamaran.svd(table),
+        lambda: catamaran.qr(table),
+        lambda: catamaran.corrcoef(table),
+        lambda: catamaran.lstsq(table, np.ones(m), missing="drop"),
+    ]
+    for call in calls:
+        with pytest.raises(Gone) as raised:
+            call()
+        assert raised.value.args[0] == "the file is gone"
+
+
+def test_results_keep_the_names_of_columns(rng):
+    columns = [rng.standard_normal(60), rng.standard_normal(60)]
+    a, b, table = np.column_stack(columns), rng.standard_normal(60), Table(columns)
+    fit = catamaran.lstsq(table, b, factors={"region": ["u", "v"] * 30}, intercept=True)
+    assert fit.feature_names == ("c0", "c1") and fit.factor_columns == ("region[v]",)
+    rows = [line.split()[0] for line in str(fit).splitlines()[3:]]
+    assert rows == ["intercept", "c0", "c1", "region[v]"]
+    assert catamaran.lstsq(table, b).feature_names == ("c0", "c1")
+    assert catamaran.pca(table).feature_names == ("c0", "c1")
+    assert catamaran.lstsq(a, b).feature_names == catamaran.pca(a).feature_names == ()
+
+
 def test_other_calls_take_frames_too(rng):
     columns = [rng.standard_normal(60), rng.integers(0, 9, 60)]
     a, b, table = np.column_stack(columns), rng.standard_normal(60), Table(columns)
@@ -94,4 +132,6 @@ def test_frames_of_pandas_polars_and_pyarrow_are_rows(rng):
     for name, make in [("pandas", "DataFrame"), ("polars", "DataFrame"), ("pyarrow", "table")]:
         module = pytest.importorskip(name)
         frame = getattr(module, make)({"x": x, "y": y})
-        assert np.array_equal(catamaran.pca(frame).components, right.components), name
+        found = catamaran.pca(frame)
+        assert np.array_equal(found.components, right.components), name
+        assert found.feature_names == ("x", "y"), name

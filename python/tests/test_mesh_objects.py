@@ -41,6 +41,18 @@ def test_functions_take_meshes_as_they_take_arrays(make, tmp_path):
         lambda *m: catamaran.eigenproducts(*m, k=3).functions,
         lambda *m: catamaran.slime(*m, 2, agents=50, size=160).texture,
         lambda *m: catamaran.Eigenbasis(*m, k=4).functions,
+        lambda *m: catamaran.count_below(*m, 3.0),
+        lambda *m: catamaran.free_components(*m),
+        lambda *m: catamaran.gradient(*m).toarray(),
+        lambda *m: catamaran.divergence(*m).toarray(),
+        lambda *m: catamaran.shot(*m, 0.5),
+        lambda *m: catamaran.geodesic_rings(*m, V, 0.5, 2),
+        lambda *m: catamaran.draw(*m, [([0, 5, 9], {})]).refined.mesh.v,
+        lambda *m: catamaran.place(*m, [3], [[0.2, 0.3, 0.5]]).refined.mesh.v,
+        lambda *m: catamaran.cut(*m, F[:1, :2]).mesh.v,
+        lambda *m: catamaran.enclosed_faces(*m, F[0, [0, 1, 1, 2, 2, 0]].reshape(3, 2)),
+        lambda *m: catamaran.region_boundary(*m, np.arange(len(F)) < 9),
+        lambda *m: np.frombuffer(catamaran.mesh_to_bytes(*m, "off"), np.uint8),
     ]
     for call in calls:
         assert np.array_equal(call(mesh), call(V, F))

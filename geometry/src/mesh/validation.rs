@@ -70,7 +70,8 @@ pub enum Problem {
 }
 
 impl Problem {
-    fn kind(&self) -> &'static str {
+    /// Returns the kind of the problem in a few words, such as "faces without area".
+    pub fn kind(&self) -> &'static str {
         match self {
             Self::NoFace { .. } => "no faces",
             Self::UnreferencedVertex(_) => "vertices without a face",

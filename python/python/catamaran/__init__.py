@@ -15,16 +15,34 @@ array([[10., 14.],
 from . import shapes
 from ._catamaran import Plan, __version__
 from ._cholesky import Cholesky, cholesky
-from ._curve import Curve, Curves, curve
-from ._decimate import Decimated, FarthestPoints, Origin, decimate, farthest_points
+from ._curve import Curve, Curves, Drawn, Placed, curve, draw, place
+from ._decimate import Decimated, Difference, FarthestPoints, Origin, decimate, farthest_points
 from ._distance import ShortestPath, distances, shortest_path
 from ._distribution import warn_of_other
 from ._gram import SVD, LeastSquares, PrincipalComponents, lstsq, pca, svd
-from ._mesh import Eigenpairs, Laplacian, eigsh, laplacian, read_mesh, write_mesh
+from ._isosurface import isosurface, label_surface
+from ._measure import Comparison, OneSided, Quality, Validation
+from ._mesh import (
+    Eigenpairs,
+    Laplacian,
+    cloud_laplacian,
+    count_below,
+    dirichlet_energies,
+    divergence,
+    eigsh,
+    free_components,
+    gradient,
+    laplacian,
+    mesh_from_bytes,
+    mesh_to_bytes,
+    read_mesh,
+    write_mesh,
+)
 from ._ortho import Orthonormal, orthogonality, orthogonalize, qr
 from ._plant import Plant, Wilting, grow_plant, read_plant, wilt
 from ._preload import numpy_speedup
-from ._products import Accumulator, ata, corrcoef, cov, plan
+from ._products import Accumulator, Verification, ata, corrcoef, cov, plan, verify
+from ._regions import cut, enclosed_faces, region_boundary
 from ._repair import Repaired, repair
 from ._spectral import (
     Eigenbasis,
@@ -33,15 +51,18 @@ from ._spectral import (
     ShapeFromSpectrum,
     eigenproducts,
     functional_map,
+    geodesic_rings,
+    product_map,
     shape_from_spectrum,
+    shot,
     transfer,
     transfer_details,
 )
-from ._surface import Mesh
+from ._surface import Mesh, Part, Refined
 from ._tables import Table, read
 from ._texture import Fractal, Slime, newton, slime
 from ._threadpool import register
-from ._unions import UnionSpectrum, locate_union, shape_dna, union_spectrum
+from ._unions import UnionSpectrum, interpolate_spectra, locate_union, shape_dna, union_spectrum
 
 warn_of_other()
 register()
@@ -50,9 +71,12 @@ del register, warn_of_other
 __all__ = [
     "Accumulator",
     "Cholesky",
+    "Comparison",
     "Curve",
     "Curves",
     "Decimated",
+    "Difference",
+    "Drawn",
     "Eigenbasis",
     "Eigenpairs",
     "Eigenproducts",
@@ -62,11 +86,16 @@ __all__ = [
     "Laplacian",
     "LeastSquares",
     "Mesh",
+    "OneSided",
     "Origin",
     "Orthonormal",
+    "Part",
+    "Placed",
     "Plan",
     "Plant",
     "PrincipalComponents",
+    "Quality",
+    "Refined",
     "Repaired",
     "SVD",
     "ShapeFromSpectrum",
@@ -74,43 +103,65 @@ __all__ = [
     "Slime",
     "Table",
     "UnionSpectrum",
+    "Validation",
+    "Verification",
     "Wilting",
     "__version__",
     "ata",
     "cholesky",
+    "cloud_laplacian",
     "corrcoef",
+    "count_below",
     "cov",
     "curve",
+    "cut",
     "decimate",
+    "dirichlet_energies",
     "distances",
+    "divergence",
+    "draw",
     "eigenproducts",
     "eigsh",
+    "enclosed_faces",
     "farthest_points",
+    "free_components",
     "functional_map",
+    "geodesic_rings",
+    "gradient",
     "grow_plant",
+    "interpolate_spectra",
+    "isosurface",
+    "label_surface",
     "laplacian",
     "locate_union",
     "lstsq",
+    "mesh_from_bytes",
+    "mesh_to_bytes",
     "newton",
     "numpy_speedup",
     "orthogonality",
     "orthogonalize",
     "pca",
+    "place",
     "plan",
+    "product_map",
     "qr",
     "read",
     "read_mesh",
     "read_plant",
+    "region_boundary",
     "repair",
     "shape_dna",
     "shape_from_spectrum",
     "shapes",
     "shortest_path",
+    "shot",
     "slime",
     "svd",
     "transfer",
     "transfer_details",
     "union_spectrum",
+    "verify",
     "wilt",
     "write_mesh",
 ]

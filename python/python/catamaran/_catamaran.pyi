@@ -5,11 +5,15 @@ from numpy.typing import ArrayLike, NDArray
 from typing_extensions import Self
 
 Callback = Optional[Callable[[int, int], Any]]
-Products = Tuple[str, str, Union[str, float], bool, Optional[int]]
+Products = Tuple[str, str, Union[str, float], bool, Optional[int], Optional[str]]
 Csr = Tuple[Any, Any, Any, Tuple[int, int]]
 Path = Union[str, PathLike[str]]
 Array = NDArray[Any]
 Pieces = Tuple[int, int, int, int]
+MeshArrays = Tuple[Array, Array]
+PartArrays = Tuple[MeshArrays, Array, Array]
+RefinedArrays = Tuple[MeshArrays, Array, Array, Array]
+FoundCurves = Tuple[str, bool, List[Dict[str, Any]], Array]
 BasisParts = Tuple[Array, Array, Array, Pieces]
 
 __version__: str
@@ -63,6 +67,13 @@ class Accumulator:
         products: Products,
         progress: Callback,
     ) -> None: ...
+    def _add_file(
+        self,
+        path: Path,
+        weights: Optional[ArrayLike],
+        products: Products,
+        progress: Callback,
+    ) -> List[str]: ...
     def _remove(
         self,
         rows: ArrayLike,
@@ -102,6 +113,8 @@ class Eigenbasis:
     def _filter(
         self, f: ArrayLike, gains: ArrayLike, rest: float, threads: Optional[int]
     ) -> Array: ...
+    def _add_coefficient(self, f: ArrayLike, index: int, amount: float) -> Array: ...
+    def _point_signature(self) -> Array: ...
     def _heat_signature(
         self, times: Optional[ArrayLike], count: int, threads: Optional[int]
     ) -> Tuple[Array, Array]: ...
@@ -165,6 +178,16 @@ def ata_sparse(
     products: Products,
     progress: Callback,
 ) -> Array: ...
+def verify(
+    a: Any,
+    c: ArrayLike,
+    weights: Optional[ArrayLike],
+    center: Any,
+    alpha: float,
+    part: str,
+    rounds: int,
+    seed: int,
+) -> Tuple[bool, float, float, float]: ...
 def plan(m: int, n: int, k: Optional[int], scalar: str, products: Products) -> Plan: ...
 def lstsq(
     a: ArrayLike,
@@ -213,6 +236,54 @@ def orthogonalize(
 def shape(name: str, counts: Sequence[int], sizes: Sequence[float]) -> Tuple[Array, Array]: ...
 def read(path: Path, options: Dict[str, Any], progress: Callback) -> Dict[str, Any]: ...
 def read_mesh(path: Path) -> Tuple[Array, Array, Dict[str, Any]]: ...
+def mesh_from_bytes(data: bytes, format: str) -> Tuple[Array, Array, Dict[str, Any]]: ...
+def mesh_to_bytes(
+    v: ArrayLike,
+    f: ArrayLike,
+    format: str,
+    colors: Optional[ArrayLike],
+    uv: Optional[ArrayLike],
+    text: bool,
+) -> Tuple[bytes, List[str]]: ...
+def measure(v: ArrayLike, f: ArrayLike, what: str, threads: Optional[int]) -> Any: ...
+def validate(v: ArrayLike, f: ArrayLike) -> Dict[str, Any]: ...
+def quality(v: ArrayLike, f: ArrayLike) -> Tuple[List[float], int]: ...
+def submesh(v: ArrayLike, f: ArrayLike, chosen: ArrayLike) -> PartArrays: ...
+def component(v: ArrayLike, f: ArrayLike, number: int) -> PartArrays: ...
+def compare(
+    first: Any, second: Any, threads: Optional[int]
+) -> List[Tuple[float, float, float]]: ...
+def difference(first: Any, second: Any, threads: Optional[int]) -> List[float]: ...
+def isosurface(
+    values: ArrayLike, level: float, lattice: Dict[str, Any], progress: Callback
+) -> MeshArrays: ...
+def label_surface(mask: Array, lattice: Dict[str, Any], progress: Callback) -> MeshArrays: ...
+def cut(v: ArrayLike, f: ArrayLike, along: ArrayLike) -> PartArrays: ...
+def enclosed_faces(
+    v: ArrayLike, f: ArrayLike, along: ArrayLike, side: str, seeds: Optional[ArrayLike]
+) -> Array: ...
+def region_boundary(v: ArrayLike, f: ArrayLike, region: Array) -> Array: ...
+def cloud_laplacian(
+    points: ArrayLike,
+    neighbours: int,
+    boundary: Any,
+    threads: Optional[int],
+    progress: Callback,
+) -> Tuple[Csr, Csr, Array]: ...
+def gradient(v: ArrayLike, f: ArrayLike, diverges: bool) -> Csr: ...
+def dirichlet_energies(functions: ArrayLike, stiffness: Csr, mass: Any) -> Array: ...
+def shot(
+    v: ArrayLike, f: ArrayLike, radius: float, threads: Optional[int], progress: Callback
+) -> Array: ...
+def geodesic_rings(
+    v: ArrayLike,
+    f: ArrayLike,
+    functions: ArrayLike,
+    radius: float,
+    rings: int,
+    threads: Optional[int],
+    progress: Callback,
+) -> Array: ...
 def write_mesh(
     path: Path,
     v: ArrayLike,
@@ -245,6 +316,9 @@ def eigsh(
 def eigsh_sparse(
     a: Csr, mass: Any, search: Dict[str, Any], progress: Callback
 ) -> Tuple[Tuple[Array, Array], int]: ...
+def count_below(a: Csr, mass: Any, value: float) -> int: ...
+def free_components_sparse(a: Csr, mass: Any) -> int: ...
+def free_components_mesh(v: ArrayLike, f: ArrayLike, boundary: Any, weld: bool) -> int: ...
 def eigenbasis(
     v: Any,
     f: Any,
@@ -272,6 +346,16 @@ def functional_map(
     threads: Optional[int],
     progress: Callback,
 ) -> Tuple[Array, Array]: ...
+def product_map(
+    source: Eigenbasis,
+    target: Eigenbasis,
+    map: ArrayLike,
+    order: int,
+    method: str,
+    all: bool,
+    threads: Optional[int],
+    progress: Callback,
+) -> Array: ...
 def transfer(
     source: Eigenbasis,
     target: Eigenbasis,
@@ -321,6 +405,7 @@ def shape_from_spectrum(
     threads: Optional[int],
     progress: Callback,
 ) -> Tuple[Tuple[Array, Array], Array, float, int]: ...
+def interpolate_spectra(first: ArrayLike, second: ArrayLike, t: float) -> Array: ...
 def locate_union(
     parts: List[Any],
     v: Any,
@@ -337,8 +422,23 @@ def farthest_points(
     v: ArrayLike, f: ArrayLike, n: int, first: Optional[int], progress: Callback
 ) -> Tuple[Array, Array, Array]: ...
 def curve(
-    v: ArrayLike, f: ArrayLike, samples: ArrayLike, how: Dict[str, Any], progress: Callback
-) -> Tuple[str, bool, List[Dict[str, Any]], Array]: ...
+    v: ArrayLike,
+    f: ArrayLike,
+    samples: ArrayLike,
+    how: Dict[str, Any],
+    smooth: bool,
+    progress: Callback,
+) -> FoundCurves: ...
+def draw(
+    v: ArrayLike,
+    f: ArrayLike,
+    layers: List[Tuple[ArrayLike, Dict[str, Any]]],
+    smooth: bool,
+    progress: Callback,
+) -> Tuple[RefinedArrays, List[FoundCurves]]: ...
+def place(
+    v: ArrayLike, f: ArrayLike, of_faces: ArrayLike, barycentric: ArrayLike, insert: bool
+) -> Tuple[RefinedArrays, Array]: ...
 def shape_dna(
     v: ArrayLike,
     f: ArrayLike,

@@ -1,9 +1,9 @@
-"""Curves through samples on a mesh."""
+"""Curves through samples on a mesh, several of them drawn into it, and points as vertices."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, List
+from typing import Any, Dict, List, Mapping, NamedTuple, Sequence, Tuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 from . import _catamaran
 from ._options import Progress, callback
 from ._show import axes
-from ._surface import takes_mesh
+from ._surface import Refined, refined, takes_mesh
 from ._words import Mode
 
-__all__ = ["Curve", "Curves", "curve"]
+__all__ = ["Curve", "Curves", "Drawn", "Placed", "curve", "draw", "place"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,6 +31,14 @@ class Curve:
     closed: bool
     #: Its length.
     length: float
+
+    @property
+    def edges(self) -> NDArray[Any]:
+        """The two vertices of each edge of the path, the lower number first."""
+        ends = np.column_stack([self.path, np.roll(self.path, -1)])
+        ends = ends if self.closed else ends[:-1]
+        edges: NDArray[Any] = np.sort(ends[ends[:, 0] != ends[:, 1]], axis=1)
+        return edges
 
     def plot(self, ax: Any = None, **options: Any) -> Any:
         """Draw the curve by matplotlib; `options` go to ``plot``."""
@@ -104,14 +112,153 @@ def curve(
     >>> found.complete, len(found.curves[0].order)
     (True, 6)
     """
-    how = {
+    how = options(mode, open, single, steiner, candidates, start)
+    return curves(_catamaran.curve(v, f, samples, how, smooth, callback(progress)))
+
+
+def options(
+    mode: str, open: bool, single: bool, steiner: bool, candidates: int, start: int
+) -> Dict[str, Any]:
+    """Return options of a curve as the extension takes them."""
+    return {
         "mode": mode,
         "open": open,
         "single": single,
         "steiner": steiner,
         "candidates": candidates,
         "start": start,
-        "smooth": smooth,
     }
-    outcome, complete, found, left_out = _catamaran.curve(v, f, samples, how, callback(progress))
-    return Curves(outcome, complete, [Curve(**one) for one in found], left_out)
+
+
+def curves(found: Any) -> Curves:
+    """Return curves of the extension."""
+    outcome, complete, all_of, left_out = found
+    return Curves(outcome, complete, [Curve(**one) for one in all_of], left_out)
+
+
+class Drawn(NamedTuple):
+    """A mesh of `draw`."""
+
+    #: The mesh with the curves along its edges, and where it is on the input.
+    refined: Refined
+    #: What was found of each layer; paths are vertices of the finer mesh.
+    layers: List[Curves]
+
+
+@takes_mesh
+def draw(
+    v: ArrayLike,
+    f: ArrayLike,
+    layers: Sequence[Tuple[ArrayLike, Mapping[str, Any]]],
+    *,
+    open: bool = False,
+    single: bool = False,
+    steiner: bool = True,
+    smooth: bool = False,
+    mode: Mode = "robust",
+    candidates: int = 5,
+    start: int = 0,
+    progress: Progress = None,
+) -> Drawn:
+    """Draw curves into a mesh, so that they run along its edges.
+
+    Curves of one layer do not meet; those of several layers may cross. Faces are cut along the
+    curves, and no vertex moves.
+
+    Parameters
+    ----------
+    v, f : array_like, n x 3 and m x 3
+        Vertices and faces.
+    layers : sequence of (samples, options)
+        Samples as `curve` takes them, each with a dictionary of the options `open`, `single`,
+        `steiner`, `mode`, `candidates` and `start` that differ in this layer.
+    open, single, steiner, mode, candidates, start
+        As in `curve`, for all layers.
+    smooth : bool
+        Whether curves are straight over the faces between samples, in all layers.
+    progress
+        As in `ata`.
+
+    Returns
+    -------
+    Drawn
+        ``refined``, ``layers``.
+
+    Raises
+    ------
+    ValueError
+        Names a sample that is no vertex, or a face on which curves are too near to each other.
+
+    Examples
+    --------
+    >>> import catamaran
+    >>> mesh = catamaran.shapes.grid(8, 8)
+    >>> found = catamaran.draw(mesh, [([10, 64, 16, 70], {})], smooth=True)
+    >>> edges = found.layers[0].curves[0].edges
+    >>> inside = catamaran.enclosed_faces(found.refined.mesh, edges, seeds=[40])
+    >>> round(float(found.refined.mesh.face_areas[inside].sum()), 9)  # 6 x 6 of 8 x 8 squares
+    0.5625
+    """
+    common = options(mode, open, single, steiner, candidates, start)
+    own = []
+    for samples, more in layers:
+        unknown = sorted(set(more) - set(common))
+        if unknown:
+            raise TypeError(f"layers: unknown options {', '.join(unknown)}")
+        own.append((samples, {**common, **more}))
+    mesh, found = _catamaran.draw(v, f, own, smooth, callback(progress))
+    return Drawn(refined(mesh), [curves(one) for one in found])
+
+
+class Placed(NamedTuple):
+    """Points of `place`."""
+
+    #: The mesh in which they are vertices; the input itself where none is new.
+    refined: Refined
+    #: The vertex of each point.
+    vertices: NDArray[Any]
+
+
+@takes_mesh
+def place(
+    v: ArrayLike,
+    f: ArrayLike,
+    faces: ArrayLike,
+    barycentric: ArrayLike,
+    *,
+    insert: bool = True,
+) -> Placed:
+    """Find vertices for points on faces, such as samples of a curve or the origin of `decimate`.
+
+    Parameters
+    ----------
+    v, f : array_like, n x 3 and m x 3
+        Vertices and faces.
+    faces : array_like of count faces
+        The face of each point.
+    barycentric : array_like, count x 3
+        Its barycentric coordinates there: not negative, with sum 1.
+    insert : bool
+        Whether a point that is not at a vertex becomes one, which cuts its face, or the faces of
+        its edge; otherwise the corner with the largest coordinate takes its place.
+
+    Returns
+    -------
+    Placed
+        ``refined``, ``vertices``.
+
+    Raises
+    ------
+    ValueError
+        Names a point whose face does not exist or whose coordinates are wrong.
+
+    Examples
+    --------
+    >>> import catamaran
+    >>> mesh = catamaran.shapes.grid(2, 2)
+    >>> found = catamaran.place(mesh, [0, 3], [[0.2, 0.3, 0.5], [0, 1, 0]])
+    >>> int(found.vertices[0]), len(found.refined.mesh.v)  # the first one is new
+    (9, 10)
+    """
+    mesh, vertices = _catamaran.place(v, f, faces, barycentric, insert)
+    return Placed(refined(mesh), vertices)

@@ -9,10 +9,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
 from ._options import Progress, callback, to_nearest, to_scipy
-from ._surface import Mesh, takes_mesh
+from ._surface import Mesh, MeshLike, needed, takes_mesh
 from ._words import Reduction
 
-__all__ = ["Decimated", "FarthestPoints", "Origin", "decimate", "farthest_points"]
+__all__ = ["Decimated", "Difference", "FarthestPoints", "Origin", "decimate", "farthest_points"]
 
 
 class Origin(NamedTuple):
@@ -22,6 +22,19 @@ class Origin(NamedTuple):
     face: NDArray[Any]
     #: Barycentric coordinates of the vertex there.
     barycentric: NDArray[np.float64]
+
+
+class Difference(NamedTuple):
+    """Distances between the vertices of a mesh and the surface of another one, of
+    `Decimated.difference` (thesis, equation 5.8)."""
+
+    #: The largest one, of either mesh, in units of length.
+    hausdorff: float
+    #: The mean of the squares of those of the one mesh, plus that of the other one.
+    chamfer: float
+    #: Both as the thesis prints them, between vertices alone.
+    printed_hausdorff: float
+    printed_chamfer: float
 
 
 class Decimated(NamedTuple):
@@ -56,6 +69,10 @@ class Decimated(NamedTuple):
     def mesh(self) -> Mesh:
         """The vertices and faces."""
         return Mesh(self.v, self.f)
+
+    def difference(self, mesh: MeshLike, *, threads: Optional[int] = None) -> Difference:
+        """Measure distances between a mesh, such as the input, and the result."""
+        return Difference(*_catamaran.difference(needed(mesh), self.mesh, threads))
 
 
 @takes_mesh

@@ -52,6 +52,14 @@ def frame_of(name: str, a: Any) -> Optional[Frame]:
     return Frame(a.shape, all(kind in SINGLE for kind in types), rows) if types else None
 
 
+def names_of(a: Any) -> Tuple[str, ...]:
+    """Return the names of the columns of a frame; none of anything else."""
+    names = getattr(a, "column_names", None)
+    if names is None and (hasattr(a, "iloc") or hasattr(a, "get_columns")):
+        names = getattr(a, "columns", None)
+    return () if names is None else tuple(str(name) for name in names)
+
+
 def of_pandas(name: str, a: Any) -> Optional[Frame]:
     """Return a frame of pandas."""
     types = list(a.dtypes)

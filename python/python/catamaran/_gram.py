@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
+from ._frames import names_of
 from ._options import Progress, callback, matrix_of, rows_of, to_nearest
 from ._show import axes, table
 from ._words import MissingRows, RankDeficiency
@@ -91,6 +92,8 @@ class LeastSquares:
     factor_columns: Tuple[str, ...] = ()
     #: The rows that were left out because a value is missing.
     left_out: Tuple[int, ...] = ()
+    #: The names of the columns of `a`, if it is a data frame; empty otherwise.
+    feature_names: Tuple[str, ...] = ()
 
     def plot(self, ax: Any = None, confidence: float = 0.95) -> Any:
         """Draw the coefficients with their confidence intervals, by matplotlib."""
@@ -116,7 +119,7 @@ class LeastSquares:
 
     def __str__(self) -> str:
         first = len(self.x) - len(self.factor_columns)
-        names = [str(i) for i in range(first)] + list(self.factor_columns)
+        names = list(self.feature_names or map(str, range(first))) + list(self.factor_columns)
         # The weight is that of errors, which may not have been asked for.
         fitted = np.isfinite(self.weight) or np.any(np.asarray(self.intercept) != 0)
         lines = [
@@ -356,10 +359,13 @@ def lstsq(
             raise ValueError("comm: not together with factors or missing")
         more: Dict[str, Any] = {"threads": threads, "progress": progress}
         total = sums(comm, a, b, weights, "extended", intercept, None, more)
-        targets = 1 if np.ndim(b) == 1 else np.shape(b)[1]
-        return of_first(comm, lambda: solution(total._lstsq(targets, options), np.ndim(b) == 1))
+        one = np.ndim(b) == 1
+        targets = 1 if one else np.shape(b)[1]
+        fit: LeastSquares = of_first(comm, lambda: solution(total._lstsq(targets, options), one))
+        return replace(fit, feature_names=names_of(a))
     if not factors and missing == "error":
         found = _catamaran.lstsq(rows_of(a), b, weights, options, callback(progress))
+        found.update(feature_names=names_of(a))
         return solution(found, np.ndim(b) == 1)
     b = matrix_of("b", b)
     levels, codes = coded(factors or {})
@@ -368,7 +374,9 @@ def lstsq(
     found, columns, left_out = _catamaran.lstsq_table(
         rows_of(a), codes, levels, b, weights, missing == "drop", options, callback(progress)
     )
-    found.update(factor_columns=tuple(columns), left_out=tuple(left_out))
+    found.update(
+        factor_columns=tuple(columns), left_out=tuple(left_out), feature_names=names_of(a)
+    )
     return solution(found, np.ndim(b) == 1)
 
 
@@ -390,6 +398,8 @@ class PrincipalComponents:
     scale: NDArray[np.float64]
     #: Whether scores have variance 1.
     whiten: bool
+    #: The names of the columns, if the rows were a data frame; empty otherwise.
+    feature_names: Tuple[str, ...] = ()
 
     def transform(self, rows: ArrayLike, *, progress: Progress = None) -> NDArray[np.float64]:
         """Return the scores (m x count) of rows (m x n), which may be a matrix of scipy.sparse."""
@@ -488,11 +498,12 @@ def pca(
         more: Dict[str, Any] = {"threads": threads, "progress": progress}
         total = sums(comm, a, None, weights, "extended", True, None, more)
         about = {"standardize": standardize, "whiten": whiten, "threads": threads}
-        return of_first(comm, lambda: total.pca(n_components, **about))
+        of_all: PrincipalComponents = of_first(comm, lambda: total.pca(n_components, **about))
+        return replace(of_all, feature_names=names_of(a))
     found = _catamaran.pca(
         rows_of(a), weights, n_components, standardize, whiten, threads, callback(progress)
     )
-    return PrincipalComponents(**found)
+    return PrincipalComponents(**found, feature_names=names_of(a))
 
 
 class SVD(NamedTuple):

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
 from ._options import (
+    Path,
     Progress,
     callback,
     csr,
@@ -21,11 +22,25 @@ from ._options import (
 )
 from ._show import axes
 from ._surface import Mesh, MeshLike, mesh_arrays, takes_mesh, with_mesh
-from ._words import Boundary, Kind, MassKind
+from ._words import Boundary, Kind, MassKind, MeshFormat
 
-__all__ = ["Eigenpairs", "Laplacian", "eigsh", "laplacian", "read_mesh", "write_mesh"]
+__all__ = [
+    "Eigenpairs",
+    "Laplacian",
+    "cloud_laplacian",
+    "count_below",
+    "dirichlet_energies",
+    "divergence",
+    "eigsh",
+    "free_components",
+    "gradient",
+    "laplacian",
+    "mesh_from_bytes",
+    "mesh_to_bytes",
+    "read_mesh",
+    "write_mesh",
+]
 
-Path = Union[str, "os.PathLike[str]"]
 
 
 def read_mesh(path: Path, *, attributes: bool = False) -> Any:
@@ -124,6 +139,64 @@ def write_mesh(
     warn(path, _catamaran.write_mesh(path, mesh[0], mesh[1], colors, uv, overwrite, text))
 
 
+def mesh_from_bytes(data: bytes, format: MeshFormat, *, attributes: bool = False) -> Any:
+    """Read a mesh file that is in memory, not packed, as `read_mesh` reads one on disk.
+
+    Parameters
+    ----------
+    data : bytes
+        The content of the file.
+    format : {"obj", "ply", "off", "stl", "glb", "gltf", "vtk", "vtp", "vtu", "gii", "white", "msh", "3mf"}
+        Its format ("white" for surfaces of FreeSurfer).
+    attributes : bool
+        As in `read_mesh`, as are the results, warnings and errors.
+
+    Examples
+    --------
+    >>> import catamaran
+    >>> v, f = catamaran.mesh_from_bytes(b"v 0 0 0\\nv 1 0 0\\nv 0 1 0\\nf 1 2 3\\n", "obj")
+    >>> f
+    array([[0, 1, 2]])
+    """
+    v, f, more = _catamaran.mesh_from_bytes(data, format)
+    warn(f"mesh.{format}", more["notes"])
+    return (v, f, more) if attributes else Mesh(v, f)
+
+
+@takes_mesh
+def mesh_to_bytes(
+    v: ArrayLike,
+    f: ArrayLike,
+    format: MeshFormat,
+    *,
+    colors: Optional[ArrayLike] = None,
+    uv: Optional[ArrayLike] = None,
+    text: bool = False,
+) -> bytes:
+    """Return the content of a mesh file, as `write_mesh` writes it.
+
+    Parameters
+    ----------
+    v, f : array_like, n x 3 and m x 3
+        Vertices and faces.
+    format : {"obj", "ply", "off", "stl", "glb", "gltf", "vtk", "gii", "3mf"}
+        The format.
+    colors, uv, text
+        As in `write_mesh`, as are warnings and errors.
+
+    Examples
+    --------
+    >>> import catamaran
+    >>> catamaran.mesh_to_bytes(catamaran.shapes.grid(1, 1), "off")[:8]
+    b'OFF\\n4 2 '
+    """
+    if uv is not None:
+        uv = np.asarray(uv, dtype=np.float64)
+    data, notes = _catamaran.mesh_to_bytes(v, f, format, colors, uv, text)
+    warn(f"mesh.{format}", notes)
+    return data
+
+
 def warn(path: Path, notes: Sequence[str]) -> None:
     """Turn notes about a file into warnings at the line that called this package."""
     for note in notes:
@@ -191,6 +264,149 @@ def laplacian(
     return Laplacian(to_scipy(stiffness), to_scipy(masses), kept)
 
 
+def cloud_laplacian(
+    points: ArrayLike,
+    *,
+    neighbours: int = 30,
+    boundary: Union[Boundary, ArrayLike] = "neumann",
+    threads: Optional[int] = None,
+    progress: Progress = None,
+) -> Laplacian:
+    """Assemble the Laplacian of the surface that points were sampled from.
+
+    Around each point its nearest ones are triangulated in the plane that fits them; the result is
+    the tufted Laplacian of all these triangles (Sharp and Crane 2020).
+
+    Parameters
+    ----------
+    points : array_like, n x 3
+        The points, no two of them in one place.
+    neighbours : int
+        Nearest points with which each one is triangulated, at least 3.
+    boundary : {"neumann", "dirichlet"} or array_like of points
+        As in `laplacian`; at the boundary are the points around which triangles leave a gap.
+    threads, progress
+        As in `ata`.
+
+    Returns
+    -------
+    Laplacian
+        ``stiffness``, ``mass``, ``kept``.
+
+    Raises
+    ------
+    ValueError
+        Names a coordinate that is not finite, or two points in one place.
+
+    Examples
+    --------
+    >>> import catamaran
+    >>> points = catamaran.shapes.icosphere(3).v
+    >>> stiffness, mass, kept = catamaran.cloud_laplacian(points)
+    >>> [round(float(x)) for x in abs(catamaran.eigsh(stiffness, mass, 4).values)]  # of a sphere
+    [0, 2, 2, 2]
+    """
+    stiffness, masses, kept = _catamaran.cloud_laplacian(
+        points, neighbours, boundary, threads, callback(progress)
+    )
+    return Laplacian(to_scipy(stiffness), to_scipy(masses), kept)
+
+
+@takes_mesh
+def gradient(v: ArrayLike, f: ArrayLike) -> Any:
+    """Assemble the gradient of functions that are linear on faces.
+
+    Parameters
+    ----------
+    v, f : array_like, n x 3 and m x 3
+        Vertices and faces.
+
+    Returns
+    -------
+    scipy.sparse.csr_array, 3 m x n
+        Rows 3 i to 3 i + 2 are the components x, y, z in face i, per unit of length:
+        ``(gradient(v, f) @ u).reshape(-1, 3)``.
+
+    Raises
+    ------
+    ValueError
+        Names a face without area.
+
+    Examples
+    --------
+    >>> import catamaran
+    >>> mesh = catamaran.shapes.grid(1, 1)
+    >>> (catamaran.gradient(mesh) @ mesh.v[:, 0]).reshape(-1, 3)  # of x
+    array([[1., 0., 0.],
+           [1., 0., 0.]])
+    """
+    return to_scipy(_catamaran.gradient(v, f, False))
+
+
+@takes_mesh
+def divergence(v: ArrayLike, f: ArrayLike) -> Any:
+    """Assemble the divergence of vector fields that are constant on faces.
+
+    Parameters
+    ----------
+    v, f : array_like, n x 3 and m x 3
+        Vertices and faces.
+
+    Returns
+    -------
+    scipy.sparse.csr_array, n x 3 m
+        Of fields as `gradient` has them, integrated over the surroundings of each vertex: times the
+        gradient it is minus the cotangent stiffness of `laplacian`. ``Mesh.vertex_areas`` divides
+        it.
+
+    Raises
+    ------
+    ValueError
+        Names a face without area.
+
+    Examples
+    --------
+    >>> import catamaran
+    >>> mesh = catamaran.shapes.icosphere(2)
+    >>> product = catamaran.divergence(mesh) @ catamaran.gradient(mesh)
+    >>> bool(abs(product + catamaran.laplacian(mesh).stiffness).max() < 1e-12)
+    True
+    """
+    return to_scipy(_catamaran.gradient(v, f, True))
+
+
+def dirichlet_energies(
+    functions: ArrayLike, stiffness: Any, mass: Any = None
+) -> NDArray[np.float64]:
+    """Compute the Dirichlet energy of each function: ``q W q / q M q`` (thesis, definition 7).
+
+    Parameters
+    ----------
+    functions : array_like, n x c, or n numbers
+        The functions q.
+    stiffness : matrix of scipy.sparse, n x n
+        W, as of `laplacian`.
+    mass : matrix of scipy.sparse, or array_like of n numbers, optional
+        M; the identity by default.
+
+    Returns
+    -------
+    ndarray of c numbers
+        In units of 1 / length^2: the eigenvalue for an eigenfunction, 0 for the function zero.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import catamaran
+    >>> mesh = catamaran.shapes.icosphere(2)
+    >>> stiffness, mass, _ = catamaran.laplacian(mesh)
+    >>> values, vectors = catamaran.eigsh(mesh, k=4)
+    >>> bool(np.allclose(catamaran.dirichlet_energies(vectors, stiffness, mass), values))
+    True
+    """
+    return _catamaran.dirichlet_energies(functions, csr(stiffness), mass_of(mass))
+
+
 class Eigenpairs(NamedTuple):
     """Eigenpairs of `eigsh`."""
 
@@ -221,6 +437,9 @@ def eigsh(
     verify_count: bool = False,
     seed: int = 0,
     weld: bool = False,
+    prolongation: Any = None,
+    memory: Optional[int] = None,
+    sink: Optional[Callable[[NDArray[np.float64], NDArray[np.float64]], Any]] = None,
     threads: Optional[int] = None,
     progress: Progress = None,
     comm: Any = None,
@@ -255,6 +474,17 @@ def eigsh(
     weld : bool
         Whether vertices with equal positions are joined, as along the seams of a texture. Results
         have a row for each vertex of `v`.
+    prolongation : matrix of scipy.sparse, n x c, optional
+        Functions on the n vertices, or rows, of those on a coarse mesh, such as the weights of
+        `decimate`. The pairs are those of the space of its columns, smoothed: they are approximate,
+        with values that are never too small, and take a fraction of the time. Without `sigma` and
+        `verify_count`; `tol` does not apply.
+    memory : int, optional
+        Bytes that the computation may take beside the matrices: with `sink`, the k smallest pairs
+        are found slice by slice, and their count is verified.
+    sink : callable, optional
+        Takes the values (k) and the vectors (n x k) of each slice, in ascending order. The result
+        then has all values, and `vectors` has no columns.
     threads, progress
         As in `ata`.
     comm : communicator of mpi4py, optional
@@ -280,13 +510,20 @@ def eigsh(
         "tol": tol,
         "verify_count": verify_count,
         "seed": seed,
+        "prolongation": None if prolongation is None else csr(prolongation),
+        "memory": memory,
+        "sink": sink,
         "threads": threads,
     }
+    if is_sparse(v) and f is not None and not is_sparse(f) and np.ndim(f) == 0:
+        raise TypeError(f"mass: got {f!r}; the number of pairs is a keyword: eigsh(a, k={f!r})")
     if comm is not None:
         from ._ranks import gathered
 
-        if progress is not None:
-            raise ValueError("comm: not together with progress")
+        others = {"prolongation": prolongation, "memory": memory, "sink": sink}
+        for name, given in {**others, "progress": progress}.items():
+            if given is not None:
+                raise ValueError(f"comm: not together with {name}")
         rows: List[Any] = []
         gathered(comm, lambda: rows.extend(own_rows(v, f)))
         pairs = _catamaran.eigsh_ranks(rows[0], rows[1], search, comm.py2f())
@@ -302,6 +539,91 @@ def eigsh(
         dirichlet = isinstance(boundary, str) and boundary == "dirichlet"
         warn_of_pieces(pieces, dirichlet=dirichlet, shifted=sigma is not None, name="")
     return Eigenpairs(*pairs)
+
+
+@with_mesh
+def count_below(
+    v: Any,
+    f: Any,
+    value: float,
+    *,
+    kind: Kind = "cotangent",
+    mass: MassKind = "barycentric",
+    boundary: Union[Boundary, ArrayLike] = "neumann",
+    weld: bool = False,
+    threads: Optional[int] = None,
+) -> int:
+    """Count the eigenvalues below a value, by one factorization (Sylvester's inertia).
+
+    ``count_below(v, f, value)`` and ``count_below(mesh, value)`` take a mesh, and
+    ``count_below(A, M, value)`` a matrix and a mass, as `eigsh` takes them.
+
+    Parameters
+    ----------
+    v, f : array_like, n x 3 and m x 3
+        Vertices and faces; or the matrices.
+    value : float
+        The value, in units of 1 / length^2; not an eigenvalue.
+    kind, mass, boundary, weld, threads
+        As in `laplacian`; for a mesh.
+
+    Returns
+    -------
+    int
+
+    Raises
+    ------
+    ValueError
+        For a value that is an eigenvalue up to rounding.
+
+    Examples
+    --------
+    >>> import catamaran
+    >>> catamaran.count_below(catamaran.shapes.icosphere(3), 4.0)  # of a sphere: 0, 2, 2, 2, 6
+    4
+    """
+    if not is_sparse(v):
+        v, f, _ = laplacian(
+            v, f, kind=kind, mass=mass, boundary=boundary, weld=weld, threads=threads
+        )
+    return _catamaran.count_below(csr(v), mass_of(f), value)
+
+
+@with_mesh
+def free_components(
+    v: Any,
+    f: Any = None,
+    *,
+    boundary: Union[Boundary, ArrayLike] = "neumann",
+    weld: bool = False,
+) -> int:
+    """Count the eigenvalues that are zero whatever the shape is: the dimension of the kernel.
+
+    There is one for each component of a mesh without a vertex held at zero, and for each component
+    of the graph of a matrix and its mass, ``free_components(A, M)``, whose rows sum to zero.
+
+    Parameters
+    ----------
+    v, f : array_like, n x 3 and m x 3
+        Vertices and faces; or the matrices, as `eigsh` takes them.
+    boundary, weld
+        As in `laplacian`; for a mesh.
+
+    Returns
+    -------
+    int
+
+    Examples
+    --------
+    >>> import catamaran
+    >>> catamaran.free_components(catamaran.shapes.torus())
+    1
+    >>> catamaran.free_components(catamaran.shapes.disk(), boundary="dirichlet")
+    0
+    """
+    if is_sparse(v):
+        return _catamaran.free_components_sparse(csr(v), mass_of(f))
+    return _catamaran.free_components_mesh(v, f, boundary, weld)
 
 
 def own_rows(a: Any, mass: Any) -> Tuple[Any, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import warnings
 from functools import wraps
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from ._words import Accuracy, Scheme, Triangle
+
+Path = Union[str, "os.PathLike[str]"]
 
 #: A callable that is told `done` and `total`, or a progress bar of tqdm.
 Progress = Union[Callable[[int, int], Any], Any, None]
@@ -74,10 +77,16 @@ def part(progress: Progress, start: float, stop: float) -> Optional[Callable[[in
 
 
 def products(
-    uplo: Triangle, scheme: Scheme, accuracy: Accuracy, reproducible: bool, threads: Optional[int]
-) -> Tuple[str, str, Accuracy, bool, Optional[int]]:
+    uplo: Triangle,
+    scheme: Scheme,
+    accuracy: Accuracy,
+    reproducible: bool,
+    threads: Optional[int],
+    backend: Optional[Path],
+) -> Tuple[str, str, Accuracy, bool, Optional[int], Optional[str]]:
     """Return the options of a product as the extension takes them."""
-    return (uplo, scheme, accuracy, reproducible, threads)
+    library = None if backend is None else os.fspath(backend)
+    return (uplo, scheme, accuracy, reproducible, threads, library)
 
 
 def is_sparse(a: Any) -> bool:

@@ -3,17 +3,28 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Literal, Optional, Tuple, Union
+from typing import Any, Literal, NamedTuple, Optional, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from . import _catamaran
 from ._gram import LeastSquares, PrincipalComponents, fit_options, solution
-from ._options import Progress, callback, csr, is_sparse, matrix_of, products, rows_of, to_nearest
+from ._options import (
+    Path,
+    Progress,
+    callback,
+    csr,
+    is_sparse,
+    matrix_of,
+    products,
+    rows_of,
+    to_nearest,
+    warn_caller,
+)
 from ._words import Accuracy, RankDeficiency, Scheme, Sums, Triangle
 
-__all__ = ["Accumulator", "ata", "corrcoef", "cov", "plan"]
+__all__ = ["Accumulator", "Verification", "ata", "corrcoef", "cov", "plan", "verify"]
 
 
 def _center(center: Any) -> Any:
@@ -51,6 +62,7 @@ def ata(
     accuracy: Accuracy = "default",
     reproducible: bool = False,
     dtype: Optional[DTypeLike] = None,
+    backend: Optional[Path] = None,
     threads: Optional[int] = None,
     progress: Progress = None,
     comm: Any = None,
@@ -89,6 +101,10 @@ def ata(
         The same bytes on every machine.
     dtype : dtype, optional
         ``numpy.float64`` computes a float64 result of float32 rows, without a copy of A.
+    backend : path, optional
+        A shared library with the CBLAS interface and 32-bit integers (MKL, OpenBLAS, BLIS) that
+        computes the small products instead of the kernels of this package. Its initializers run:
+        load only what you trust. A library that can't be loaded is a RuntimeError.
     threads : int, optional
         Threads, at most; by default one for each core, at most ``RAYON_NUM_THREADS`` and
         ``CATAMARAN_NUM_THREADS`` (or, where that is not set, ``OMP_NUM_THREADS``). The result does
@@ -139,13 +155,15 @@ def ata(
 
         if b is not None or out is not None or beta != 0 or not (center is None or center is True):
             raise ValueError("comm: not together with b, out, beta, or a row as center")
+        if backend is not None:
+            raise ValueError("comm: not together with backend")
         exact = reproducible or scheme == "exact"
         way = "auto" if exact else scheme
         more = {"scheme": way, "accuracy": accuracy, "threads": threads, "progress": progress}
         kind: Sums = "exact" if exact else "float"
         total = sums(comm, a, None, weights, kind, center is True, dtype, more)
         return of_first(comm, lambda: total.result(alpha=alpha, uplo=uplo))
-    options = (uplo, scheme, accuracy, reproducible, threads)
+    options = products(uplo, scheme, accuracy, reproducible, threads, backend)
     if progress is not None:
         progress = callback(progress)
     if is_sparse(a):
@@ -154,6 +172,75 @@ def ata(
         return _catamaran.ata_sparse(csr(a), weights, center, out, alpha, beta, options, progress)
     wide = is_wide(a, dtype)
     return _catamaran.ata(a, b, weights, center, out, alpha, beta, options, wide, progress)
+
+
+class Verification(NamedTuple):
+    """What `verify` finds; it is true if the check passed."""
+
+    #: Whether `residual` is at most `tolerance`.
+    passed: bool
+    #: The largest entry of ``(C - alpha A^T A) x`` over all random vectors x.
+    residual: float
+    #: The residual that rounding may cause.
+    tolerance: float
+    #: The probability that a C with an entry wrong by more than twice the tolerance passes.
+    false_accept_probability: float
+
+    def __bool__(self) -> bool:
+        return self.passed
+
+
+def verify(
+    a: ArrayLike,
+    c: ArrayLike,
+    *,
+    weights: Optional[ArrayLike] = None,
+    center: Union[bool, Literal["mean"], ArrayLike, None] = None,
+    alpha: float = 1.0,
+    uplo: Triangle = "both",
+    rounds: int = 20,
+    seed: int = 0,
+) -> Verification:
+    """Check a product ``C = alpha A^T A`` of `ata` with random vectors (Freivalds 1977).
+
+    It takes O(rounds (m n + n^2)) operations, where the product takes O(m n^2).
+
+    Parameters
+    ----------
+    a : array_like, m x n, or a matrix of scipy.sparse
+        The real matrix A.
+    c : array_like, n x n
+        The product; of float32 with the tolerance of that precision.
+    weights, center, alpha, uplo
+        As in `ata`, which computed C.
+    rounds : int
+        Random vectors, from 1 to 1000: the probability that an error escapes is 2^-rounds.
+    seed : int
+        Of the vectors.
+
+    Returns
+    -------
+    Verification
+        ``passed``, ``residual``, ``tolerance``, ``false_accept_probability``.
+
+    Raises
+    ------
+    ValueError
+        Names an argument that does not fit, or an entry of A that is not finite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import catamaran
+    >>> a = np.arange(12.0).reshape(4, 3)
+    >>> c = catamaran.ata(a)
+    >>> bool(catamaran.verify(a, c)), bool(catamaran.verify(a, c + np.eye(3)))
+    (True, False)
+    """
+    middle = _center(center)
+    return Verification(
+        *_catamaran.verify(rows_of(a), c, weights, middle, alpha, uplo, rounds, seed)
+    )
 
 
 @to_nearest
@@ -271,6 +358,7 @@ def plan(
     scheme: Scheme = "auto",
     accuracy: Accuracy = "default",
     reproducible: bool = False,
+    backend: Optional[Path] = None,
     threads: Optional[int] = None,
 ) -> _catamaran.Plan:
     """Return what `ata` will do for an m x n matrix, and why.
@@ -283,7 +371,7 @@ def plan(
         Columns of B.
     dtype : {float64, float32}
         The numbers.
-    uplo, scheme, accuracy, reproducible, threads
+    uplo, scheme, accuracy, reproducible, backend, threads
         As in `ata`.
 
     Returns
@@ -300,7 +388,7 @@ def plan(
     >>> explained.is_fast, explained.scheme
     (False, 'classical')
     """
-    options = products(uplo, scheme, accuracy, reproducible, threads)
+    options = products(uplo, scheme, accuracy, reproducible, threads, backend)
     return _catamaran.plan(m, n, k, np.dtype(dtype).name, options)
 
 
@@ -396,8 +484,25 @@ class Accumulator(_catamaran.Accumulator):
         progress: Progress = None,
     ) -> None:
         """Add rows (any number x columns), with a weight for each or none."""
-        options = products("both", scheme, accuracy, False, threads)
+        options = products("both", scheme, accuracy, False, threads, None)
         self._add(rows, weights, options, callback(progress))
+
+    def add_file(
+        self,
+        path: Path,
+        weights: Optional[ArrayLike] = None,
+        *,
+        scheme: Scheme = "auto",
+        accuracy: Accuracy = "default",
+        threads: Optional[int] = None,
+        progress: Progress = None,
+    ) -> None:
+        """Add the rows of a .npy file, or of a dataset of HDF5 ("a.h5:/x") in a package with that
+        feature, with a weight for each or none. Blocks of rows are in memory, never the whole
+        file; notes about the file are warnings."""
+        options = products("both", scheme, accuracy, False, threads, None)
+        for note in self._add_file(path, weights, options, callback(progress)):
+            warn_caller(f"{os.fspath(path)}: {note}")
 
     def remove(
         self,
@@ -408,7 +513,7 @@ class Accumulator(_catamaran.Accumulator):
         progress: Progress = None,
     ) -> None:
         """Remove rows that were added to exact sums, with the same weights."""
-        options = products("both", "auto", "default", False, threads)
+        options = products("both", "auto", "default", False, threads, None)
         self._remove(rows, weights, options, callback(progress))
 
     def merge(self, other: Accumulator) -> None:
@@ -460,13 +565,13 @@ class Accumulator(_catamaran.Accumulator):
         """
         return PrincipalComponents(**self._pca(n_components, standardize, whiten, threads))
 
-    def save(self, path: Union[str, os.PathLike[str]]) -> None:
+    def save(self, path: Path) -> None:
         """Write the sums to a file, which appears whole or not at all and replaces an older one.
         ``catamaran ata-merge`` reads it, too."""
         self._save(path)
 
     @classmethod
-    def load(cls, path: Union[str, os.PathLike[str]]) -> Accumulator:
+    def load(cls, path: Path) -> Accumulator:
         """Read the sums of `save`, or of ``catamaran ata --accumulator``."""
         sums = cls(1)
         sums._load(path)

@@ -20,7 +20,10 @@ __all__ = [
     "ShapeFromSpectrum",
     "eigenproducts",
     "functional_map",
+    "geodesic_rings",
+    "product_map",
     "shape_from_spectrum",
+    "shot",
     "transfer",
     "transfer_details",
 ]
@@ -128,6 +131,19 @@ class Eigenbasis(_catamaran.Eigenbasis):
         """Return the nearest functions in the basis, and the details: what is left of them."""
         low = self.filter(functions, np.ones_like, threads=threads)
         return low, np.asarray(functions) - low
+
+    def add_coefficient(
+        self, functions: ArrayLike, index: int, amount: float
+    ) -> NDArray[np.float64]:
+        """Return functions (n x c, or n numbers) with `amount` more of the coefficient of the
+        function `index` of the basis, from 0: that many times the function is added to each."""
+        found = self._add_coefficient(functions, index, amount)
+        return found[:, 0] if np.ndim(functions) == 1 else found
+
+    def global_point_signature(self) -> NDArray[np.float64]:
+        """Compute the global point signature (Rustamov 2007): the functions over the roots of
+        their eigenvalues, a column for each one that is not 0; without unit."""
+        return self._point_signature()
 
     def heat_kernel_signature(
         self,
@@ -374,6 +390,144 @@ def functional_map(
         callback(rest),
     )
     return FunctionalMap(*found)
+
+
+def product_map(
+    source: Eigenbasis,
+    target: Eigenbasis,
+    map: ArrayLike,
+    *,
+    order: int = 2,
+    method: Method = "single_pass",
+    all_products: bool = False,
+    threads: Optional[int] = None,
+    progress: Progress = None,
+) -> NDArray[np.float64]:
+    """Extend a functional map to orthogonalized products of eigenfunctions (thesis, section 1.3.3).
+
+    The image of a product is the product of the images. The matrix of all products is never
+    stored. The map must be exact, or nearly so: the error grows fast otherwise, where `transfer`,
+    which goes through corresponding points, is stable.
+
+    Parameters
+    ----------
+    source, target : Eigenbasis
+        At least as many functions as the map has columns and rows.
+    map : array_like, k_target x k_source
+        As of `functional_map`, the constant functions included.
+    order : int
+        Factors of a product, at most.
+    method
+        As in `eigenproducts`, whose functions on source and target the result maps.
+    all_products : bool
+        Whether every product has a part in the result by least squares (equation 1.16); otherwise
+        only those that the basis of the source is made of (equation 1.18).
+    threads, progress
+        As in `ata`.
+
+    Returns
+    -------
+    ndarray, r_target x r_source
+
+    Raises
+    ------
+    ValueError
+        Names a shape that does not fit, or a basis without the constant function.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import catamaran
+    >>> basis = catamaran.Eigenbasis(catamaran.shapes.icosphere(2), k=4)
+    >>> found = catamaran.product_map(basis, basis, np.eye(4))  # the identity
+    >>> bool(np.allclose(found, np.eye(len(found))))
+    True
+    """
+    return _catamaran.product_map(
+        source, target, map, order, method, all_products, threads, callback(progress)
+    )
+
+
+@takes_mesh
+def shot(
+    v: ArrayLike,
+    f: ArrayLike,
+    radius: float,
+    *,
+    threads: Optional[int] = None,
+    progress: Progress = None,
+) -> NDArray[np.float64]:
+    """Compute SHOT descriptors (Tombari, Salti and Di Stefano 2010): histograms of normals in the
+    parts of a ball around each vertex.
+
+    They stay the same under rigid motions, and under scaling together with the radius.
+
+    Parameters
+    ----------
+    v, f : array_like, n x 3 and m x 3
+        Vertices and faces.
+    radius : float
+        Of the ball, in units of length; positive.
+    threads, progress
+        As in `ata`.
+
+    Returns
+    -------
+    ndarray, n x 352
+        Rows of norm 1; zero for a vertex with fewer than five others in its ball.
+
+    Examples
+    --------
+    >>> import catamaran
+    >>> catamaran.shot(catamaran.shapes.icosphere(2), 0.6).shape
+    (162, 352)
+    """
+    return _catamaran.shot(v, f, radius, threads, callback(progress))
+
+
+@takes_mesh
+def geodesic_rings(
+    v: ArrayLike,
+    f: ArrayLike,
+    functions: ArrayLike,
+    radius: float,
+    rings: int,
+    *,
+    threads: Optional[int] = None,
+    progress: Progress = None,
+) -> NDArray[np.float64]:
+    """Compute means of functions over rings of distance along edges around each vertex.
+
+    Parameters
+    ----------
+    v, f : array_like, n x 3 and m x 3
+        Vertices and faces.
+    functions : array_like, n x c, or n numbers
+        Such as heat kernel signatures.
+    radius : float
+        Of the last ring, in units of length; positive.
+    rings : int
+        Rings, at least 1.
+    threads, progress
+        As in `ata`.
+
+    Returns
+    -------
+    ndarray, n x (rings (1 + c))
+        For each ring from the middle out, its share of the area of all, then the means.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import catamaran
+    >>> mesh = catamaran.shapes.icosphere(2)
+    >>> found = catamaran.geodesic_rings(mesh, np.ones(len(mesh.v)), 0.5, 2)
+    >>> bool(np.allclose(found[:, [1, 3]], 1) and np.allclose(found[:, 0] + found[:, 2], 1))
+    True
+    """
+    return _catamaran.geodesic_rings(
+        v, f, functions, radius, rings, threads, callback(progress)
+    )
 
 
 def transfer(

@@ -7,6 +7,7 @@ from typing import (
     Any,
     Callable,
     Concatenate,
+    List,
     NamedTuple,
     Optional,
     ParamSpec,
@@ -21,9 +22,12 @@ from typing import (
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from . import _catamaran
+from ._measure import Comparison, OneSided, Quality, Validation
+from ._options import to_nearest
 from ._show import axes
 
-__all__ = ["Mesh", "MeshLike", "mesh_arrays", "takes_mesh", "with_mesh"]
+__all__ = ["Mesh", "MeshLike", "Part", "Refined", "mesh_arrays", "takes_mesh", "with_mesh"]
 
 
 class Mesh(NamedTuple):
@@ -35,6 +39,8 @@ class Mesh(NamedTuple):
     >>> mesh = catamaran.shapes.icosphere(2)
     >>> v, f = mesh
     >>> values, vectors = catamaran.eigsh(mesh, k=4)
+    >>> mesh.validate().genus, len(mesh.edges)
+    (0, 480)
     """
 
     #: Vertices, n x 3.
@@ -61,6 +67,111 @@ class Mesh(NamedTuple):
         corners = np.full((len(self.f), 1), 3)
         return pyvista.PolyData(self.v, np.hstack([corners, self.f]).ravel())
 
+    def _measure(self, what: str, threads: Optional[int] = None) -> Any:
+        return _catamaran.measure(self.v, self.f, what, threads)
+
+    @property
+    def area(self) -> float:
+        """The sum of the areas of the faces."""
+        area: float = self._measure("area")
+        return area
+
+    @property
+    def volume(self) -> float:
+        """The volume inside, below 0 if faces are clockwise as seen from outside; of a mesh with
+        a boundary that of the cones over its faces with tip at the first vertex."""
+        volume: float = self._measure("volume")
+        return volume
+
+    @property
+    def face_areas(self) -> NDArray[np.float64]:
+        """The area of each face."""
+        areas: NDArray[np.float64] = self._measure("face_areas")
+        return areas
+
+    @property
+    def vertex_areas(self) -> NDArray[np.float64]:
+        """A third of the areas of the faces at each vertex."""
+        areas: NDArray[np.float64] = self._measure("vertex_areas")
+        return areas
+
+    @property
+    def face_normals(self) -> NDArray[np.float64]:
+        """The unit normal of each face, m x 3; zero for faces without area."""
+        normals: NDArray[np.float64] = self._measure("face_normals")
+        return normals
+
+    @property
+    def vertex_normals(self) -> NDArray[np.float64]:
+        """The unit normal of each vertex, n x 3: the mean of those of its faces by area."""
+        normals: NDArray[np.float64] = self._measure("vertex_normals")
+        return normals
+
+    @property
+    def qualities(self) -> NDArray[np.float64]:
+        """The quality of each face, from 0 (no area) to 1 (equilateral): 2 sqrt(3) area / (half
+        the perimeter times the longest edge)."""
+        qualities: NDArray[np.float64] = self._measure("qualities")
+        return qualities
+
+    @property
+    def edges(self) -> NDArray[Any]:
+        """The vertices of each edge, count x 2, the lower number first; ascending."""
+        edges: NDArray[Any] = self._measure("edges")
+        return edges
+
+    @property
+    def components(self) -> NDArray[Any]:
+        """The number of the component of each face; components are in the order of their lowest
+        vertices, and faces with a common vertex are in one."""
+        components: NDArray[Any] = self._measure("components")
+        return components
+
+    @property
+    def boundary_loops(self) -> List[NDArray[Any]]:
+        """The vertices of each loop of the boundary, in order; a ValueError if there is a boundary
+        and an edge of more than two faces."""
+        loops: List[NDArray[Any]] = self._measure("boundary_loops")
+        return loops
+
+    def intersecting_faces(self, *, threads: Optional[int] = None) -> NDArray[Any]:
+        """Return the faces that meet another one away from common corners and edges, ascending."""
+        faces: NDArray[Any] = self._measure("intersecting_faces", threads)
+        return faces
+
+    def validate(self) -> Validation:
+        """Count vertices, edges, faces and components, and list problems of the mesh.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import catamaran
+        >>> print(catamaran.Mesh(np.eye(3), np.array([[0, 1, 2], [0, 2, 1]])).validate().problems)
+        [('repeated faces', 'face 1 as face 0')]
+        """
+        return Validation(**_catamaran.validate(self.v, self.f))
+
+    def quality(self) -> Quality:
+        """Measure how uniform the mesh is."""
+        numbers, edges = _catamaran.quality(self.v, self.f)
+        return Quality._make([*numbers, edges])
+
+    def compare(self, other: MeshLike, *, threads: Optional[int] = None) -> Comparison:
+        """Measure how far the surface is from that of another mesh, and the other way round.
+
+        Distances are those of the vertices, and of 100,000 points spread over each surface.
+        """
+        out, back = _catamaran.compare(self, needed(other), threads)
+        return Comparison(OneSided(*out), OneSided(*back))
+
+    def submesh(self, faces: ArrayLike) -> Part:
+        """Return the part of these faces, given by their numbers."""
+        return part(_catamaran.submesh(self.v, self.f, faces))
+
+    def component(self, number: int) -> Part:
+        """Return a component, as `components` numbers them from 0."""
+        return part(_catamaran.component(self.v, self.f, number))
+
     def plot(self, values: Optional[ArrayLike] = None, ax: Any = None, **options: Any) -> Any:
         """Draw the mesh by matplotlib.
 
@@ -84,6 +195,56 @@ class Mesh(NamedTuple):
             drawn.set_array(np.asarray(values)[self.f].mean(axis=1))
         ax.set_aspect("equal")
         return ax
+
+
+class Part(NamedTuple):
+    """A part of a mesh, or a mesh that is cut open."""
+
+    #: The part.
+    mesh: Mesh
+    #: For each of its vertices the number in the whole mesh.
+    vertices: NDArray[Any]
+    #: For each of its faces the number in the whole mesh.
+    faces: NDArray[Any]
+
+
+def part(found: Any) -> Part:
+    """Return a part of the extension."""
+    mesh, vertices, faces = found
+    return Part(Mesh(*mesh), vertices, faces)
+
+
+class Refined(NamedTuple):
+    """A finer mesh of the same surface; its first vertices are those of the coarse mesh."""
+
+    #: The finer mesh.
+    mesh: Mesh
+    #: For each of its faces the face of the coarse mesh that contains it.
+    faces: NDArray[Any]
+    #: For each of its vertices three vertices of one coarse face.
+    vertices: NDArray[Any]
+    #: The weights of these vertices, with sum 1.
+    weights: NDArray[np.float64]
+
+    @to_nearest
+    def carried(self, values: ArrayLike) -> NDArray[Any]:
+        """Return values at the vertices of the finer mesh, linear on coarse faces.
+
+        Parameters
+        ----------
+        values : array_like, a row for each vertex of the coarse mesh
+            Colours, functions, or other numbers.
+        """
+        found: NDArray[Any] = np.einsum(
+            "ij,ij...->i...", self.weights, np.asarray(values)[self.vertices]
+        )
+        return found
+
+
+def refined(found: Any) -> Refined:
+    """Return a finer mesh of the extension."""
+    mesh, faces, vertices, weights = found
+    return Refined(Mesh(*mesh), faces, vertices, weights)
 
 
 class _Vertices(Protocol):
@@ -135,6 +296,12 @@ def mesh_arrays(mesh: Any) -> Optional[Tuple[Any, Any]]:
             raise ValueError("mesh: faces that are not triangles; triangulate() makes them so")
         return points, faces.reshape(-1, 4)[:, 1:]
     return None
+
+
+def needed(mesh: Any) -> Tuple[Any, Any]:
+    """Return vertices and faces of a mesh, or of a pair of them."""
+    v, f = mesh_arrays(mesh) or mesh
+    return v, f
 
 
 F = TypeVar("F", bound=Callable[..., Any])

@@ -10,13 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _catamaran
-from ._options import Progress, callback, is_sparse, to_scipy, warn_caller
+from ._options import Path, Progress, callback, is_sparse, to_scipy, warn_caller
 from ._show import table
 from ._words import FileFormat, MissingCells
 
 __all__ = ["Table", "read"]
-
-Path = Union[str, "os.PathLike[str]"]
 
 
 class Factor(NamedTuple):

@@ -13,7 +13,7 @@ from ._options import Progress, callback, warn_of_pieces
 from ._surface import mesh_arrays, takes_mesh
 from ._words import Kind
 
-__all__ = ["UnionSpectrum", "locate_union", "shape_dna", "union_spectrum"]
+__all__ = ["UnionSpectrum", "interpolate_spectra", "locate_union", "shape_dna", "union_spectrum"]
 
 
 @takes_mesh
@@ -126,6 +126,37 @@ def union_spectrum(
     )
     warn_of_parts(pieces)
     return UnionSpectrum(union, spectra, ood_score)
+
+
+def interpolate_spectra(first: ArrayLike, second: ArrayLike, t: float) -> NDArray[np.float64]:
+    """Return the spectrum ``(1 - t) first + t second`` between two spectra of parts, of which
+    `union_spectrum` and `shape_from_spectrum` make unions and shapes (thesis, section 2.6.2).
+
+    Parameters
+    ----------
+    first, second : array_like of 20 eigenvalues
+        Positive and ascending, in units of 1 / length^2.
+    t : float
+        From 0 to 1.
+
+    Returns
+    -------
+    ndarray of 20 numbers
+
+    Raises
+    ------
+    ValueError
+        Names a spectrum that is none, or t.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import catamaran
+    >>> one = 40.0 * np.arange(1, 21)
+    >>> catamaran.interpolate_spectra(one, 2 * one, 0.5)[:2]
+    array([ 60., 120.])
+    """
+    return _catamaran.interpolate_spectra(first, second, t)
 
 
 def listed(parts: Sequence[Any]) -> List[Any]:

@@ -12,6 +12,7 @@ __all__ = [
     "Gradient",
     "Kind",
     "MassKind",
+    "MeshFormat",
     "Method",
     "MissingCells",
     "MissingRows",
@@ -20,6 +21,7 @@ __all__ = [
     "Reduction",
     "Refinement",
     "Scheme",
+    "Side",
     "Sums",
     "Triangle",
     "Weld",
@@ -33,6 +35,9 @@ FileFormat = Literal["npy", "mtx", "table", "parquet", "arrow"]
 Gradient = Literal["thesis", "shader"]
 Kind = Literal["cotangent", "intrinsic", "tufted"]
 MassKind = Literal["barycentric", "voronoi", "full"]
+MeshFormat = Literal[
+    "obj", "ply", "off", "stl", "glb", "gltf", "vtk", "vtp", "vtu", "gii", "white", "msh", "3mf"
+]
 #: How columns, and products of eigenfunctions, are orthogonalized.
 Method = Literal["single_pass", "reorthogonalized", "rank_revealing"]
 MissingCells = Literal["error", "drop", "nan"]
@@ -43,6 +48,8 @@ RankDeficiency = Literal["minimum_norm", "refuse"]
 Reduction = Literal["uniform", "thesis"]
 Refinement = Literal["zoomout", "icp", "none"]
 Scheme = Literal["auto", "float", "classical", "ata2", "winograd", "rxtx", "kgp", "kgp3", "exact"]
+#: Which side of curves is inside.
+Side = Literal["small", "large"]
 #: What an accumulator sums in.
 Sums = Literal["float", "exact", "extended"]
 Triangle = Literal["both", "lower", "upper"]
