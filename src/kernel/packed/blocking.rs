@@ -43,8 +43,13 @@ impl Blocking {
         let depth = even(shape.depth, DEPTH).max(1);
         let longest = shape.rows.max(shape.cols).div_ceil(geometry.width);
         let parts = (2 * SHARE * threads).isqrt().max(PARTS);
-        let panels = item_side(scalar_bytes) / geometry.width;
-        let panels = panels.min(longest.div_ceil(parts)).max(1);
+        let most = item_side(scalar_bytes) / geometry.width;
+        let panels = match threads {
+            // Nobody to share with: a product that fits is one item, which reads a chunk once.
+            1 if longest <= most => longest,
+            _ => most.min(longest.div_ceil(parts)),
+        };
+        let panels = panels.max(1);
         let blocks = shape.depth.div_ceil(depth).max(1);
         let most = budget / Self::packed_columns(geometry, shape).max(1) / depth;
         Self { depth, panels, chunk: even(blocks, most.max(1)) * depth }

@@ -770,6 +770,10 @@ fn check_blocking<T: FloatOperand>(rng: &mut Rng) {
                 assert_eq!(chunk, block, "{what}");
             }
             assert!(blocking.sums_len(geometry) >= geometry.rows * geometry.width, "{what}");
+            // A narrow product on one thread is one item.
+            let longest = shape.rows.max(shape.cols);
+            let narrow = threads == 1 && longest <= 2 * geometry.width;
+            assert!(!narrow || panels * geometry.width >= longest, "{what}");
         }
     }
 }
@@ -822,7 +826,7 @@ fn panels_are_written_to_their_end() {
 }
 
 fn check_small<T: FloatOperand>(rng: &mut Rng) {
-    const EXTENTS: [usize; 11] = [0, 1, 2, 3, 6, 9, 16, 17, 31, 50, 100];
+    const EXTENTS: [usize; 13] = [0, 1, 2, 3, 4, 6, 8, 9, 16, 17, 31, 50, 100];
     for depth in [0, 1, 2, 7, 33, 321, 700] {
         for rows in EXTENTS {
             for cols in EXTENTS {
