@@ -3,14 +3,15 @@
 
 use std::mem::MaybeUninit;
 
-use super::blocking::{Blocking, DEPTH};
+use super::blocking::Blocking;
 use super::geometry::{Area, CACHE_LINE, Geometry};
 use super::in_place::InPlace;
 use super::kernel::Kernel;
-use super::operands::{PANELS_IN_PLACE, Shape, Source};
+use super::operands::{Shape, Source};
 use super::pack::Panels;
 use super::target::Target;
 use super::tile::{Row, Side};
+use super::tuning::DEEPEST;
 use super::write::LARGEST_TILE;
 use crate::base::{Real, data_caches};
 
@@ -21,7 +22,7 @@ const PACKED: usize = 9216;
 const WIDEST: usize = 48;
 
 /// Bytes of the largest panel, 60 KiB on the stack: panels of f64 have half of the columns.
-const PANEL: usize = DEPTH * WIDEST * size_of::<f32>();
+const PANEL: usize = DEEPEST * WIDEST * size_of::<f32>();
 
 /// Most scalar multiplications of a small product of plain sources: what one thread computes before
 /// another has woken up.
@@ -87,13 +88,13 @@ fn strips_stay<T: Real>(right: Source<'_, T>, shape: Shape, geometry: Geometry) 
     /// Rows of tiles.
     const FEW: usize = 8;
     let Shape { depth, rows, same, .. } = shape;
-    if rows <= PANELS_IN_PLACE * geometry.width {
+    if rows <= geometry.tuning.in_place * geometry.width {
         return true;
     }
     let stride = right.matrix.row_stride().unsigned_abs() * size_of::<T>();
     let apart = 1 << stride.trailing_zeros().clamp(CACHE_LINE.ilog2(), PAGE.ilog2());
     let share = if same || rows <= FEW * geometry.rows { 1 } else { 2 };
-    depth.min(DEPTH) * apart <= data_caches()[0] / share
+    depth.min(geometry.tuning.depth) * apart <= data_caches()[0] / share
 }
 
 /// Bytes after which addresses share a set of a first-level cache.
@@ -113,11 +114,12 @@ unsafe fn multiply_in_place<T: Real>(
     wide: usize,
     right: impl Fn(usize, Area) -> Side<T>,
 ) {
-    let width = kernel.geometry().width;
+    let Geometry { width, tuning, .. } = kernel.geometry();
     let Shape { depth: m, rows, cols, .. } = shape;
     let mut sums = Aligned::<[T; LARGEST_TILE]>(MaybeUninit::uninit());
     let mut targets = [target];
-    let steps = if m <= DEPTH { m.max(1) } else { m.div_ceil(m.div_ceil(DEPTH)) };
+    let most = tuning.depth;
+    let steps = if m <= most { m.max(1) } else { m.div_ceil(m.div_ceil(most)) };
     for first in (0..m.max(1)).step_by(steps) {
         let steps = steps.min(m - first);
         let mut col = 0;
@@ -159,11 +161,11 @@ unsafe fn multiply_panels<T: Real>(
     shape: Shape,
 ) {
     let width = kernel.geometry().width;
-    debug_assert!(DEPTH * width * size_of::<T>() <= PANEL);
+    debug_assert!(DEEPEST * width * size_of::<T>() <= PANEL);
     let mut memory = Aligned::<[u8; PANEL]>(MaybeUninit::uninit());
     let packed = memory.0.as_mut_ptr().cast::<T>();
     let side = |_, area: Area| {
-        // SAFETY: a panel of at most DEPTH rows fits the memory, which is aligned.
+        // SAFETY: a panel of at most DEEPEST rows fits the memory, which is aligned.
         unsafe { kernel.pack(&[right], &area, Panels::new(packed, 0)) };
         // Where column 0 would be.
         let start = packed.wrapping_sub(area.cols.start).cast_const();
@@ -186,7 +188,7 @@ unsafe fn multiply_packed<T: Real>(
     target: Target<T>,
     shape: Shape,
 ) {
-    let Geometry { rows: height, width, .. } = kernel.geometry();
+    let Geometry { rows: height, width, tuning, .. } = kernel.geometry();
     let Shape { depth: m, rows, cols, same } = shape;
     let mut memory = Aligned::<[T; PACKED]>(MaybeUninit::uninit());
     let packed = memory.0.as_mut_ptr().cast::<T>();
@@ -194,7 +196,7 @@ unsafe fn multiply_packed<T: Real>(
     // Rows that fit the memory. A product without rows is small whatever its columns, so that not
     // even one row may fit.
     let columns = Blocking::packed_columns(kernel.geometry(), shape);
-    let most = (PACKED / columns.max(1)).clamp(1, DEPTH);
+    let most = (PACKED / columns.max(1)).clamp(1, tuning.depth);
     let steps = m.div_ceil(m.div_ceil(most).max(1)).max(1);
     let mut targets = [target];
     for first in (0..m.max(1)).step_by(steps) {

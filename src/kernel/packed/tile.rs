@@ -152,9 +152,6 @@ pub(super) struct Tile<T> {
 /// Steps from one prefetch of [`Ahead`] to the next.
 const PACE: usize = 4;
 
-/// Distance of prefetches from operands, in steps.
-const AHEAD: usize = 16;
-
 /// Memory that is prefetched while a tile is computed: the entries of targets, and from `left` and
 /// `right` on, a row and a cache line at a time.
 #[derive(Clone, Copy)]
@@ -216,13 +213,14 @@ impl<T: Real> Tile<T> {
                 rest %= PACE;
             }
             // Of few rows all prefetches would be beyond the end.
-            let fetched = if self.steps > AHEAD { rest } else { 0 };
+            let fetched = if self.steps > V::TUNING.ahead { rest } else { 0 };
             for _ in 0..fetched {
-                let right = self.right.wrapping_offset(AHEAD as isize * self.right_stride);
+                let right =
+                    self.right.wrapping_offset(V::TUNING.ahead as isize * self.right_stride);
                 for i in 0..(N * V::LANES).div_ceil(const { line_len::<T>() }) {
                     V::prefetch(right.wrapping_add(i * const { line_len::<T>() }));
                 }
-                V::prefetch(self.left.wrapping_offset(AHEAD as isize * self.left_stride));
+                V::prefetch(self.left.wrapping_offset(V::TUNING.ahead as isize * self.left_stride));
                 self.step::<V, ROWS, N, MASKED>(tail, &mut tile);
             }
             for _ in fetched..rest {
@@ -245,12 +243,12 @@ impl<T: Real> Tile<T> {
         V: Vectors<Scalar = T>,
     {
         let line = const { line_len::<T>() };
-        let ahead = self.right.wrapping_add(AHEAD * V::WIDTH);
+        let ahead = self.right.wrapping_add(V::TUNING.ahead * V::WIDTH);
         for k in 0..PACE {
             for i in (k * V::WIDTH).div_ceil(line)..((k + 1) * V::WIDTH).div_ceil(line) {
                 V::prefetch(ahead.wrapping_add(i * line));
             }
-            V::prefetch(self.left.wrapping_offset(AHEAD as isize * self.left_stride));
+            V::prefetch(self.left.wrapping_offset(V::TUNING.ahead as isize * self.left_stride));
             // SAFETY: the caller's promise.
             unsafe { self.step::<V, ROWS, N, MASKED>(tail, tile) };
         }
