@@ -133,8 +133,8 @@ pub fn atb_into<T: BlasReal>(
 }
 
 /// Computes a product by a plan, or one that is too small for a plan directly: a plan takes as long
-/// as a product of ten columns.
-#[inline]
+/// as a product of ten columns. Inlined, so that the smallest products copy no arguments.
+#[inline(always)]
 fn compute<T: BlasReal>(op: Op, product: Product<'_, T>, options: &AtaOptions<'_>) -> Result<()> {
     options.check()?;
     let (m, n, k) = (product.a.nrows(), product.c.nrows(), product.c.ncols());

@@ -852,11 +852,11 @@ fn check_small<T: FloatOperand>(rng: &mut Rng) {
                 for isa in isas() {
                     let mut c = case.c.clone();
                     let destination = Destination::new(c.view_mut(), case.part);
-                    let KernelProduct { left, right, targets, .. } =
+                    let KernelProduct { left, right, mut targets, .. } =
                         case.specs[0].product(&destination);
                     let right = if same { left[0] } else { right[0] };
                     // SAFETY: `c` is ours.
-                    unsafe { run_small(T::kernel(isa), left[0], right, targets[0], shape) };
+                    unsafe { run_small(T::kernel(isa), left[0], right, &mut targets[0], shape) };
                     assert!(c.bits() == expected, "{} {}: {shape:?}", isa.name(), T::NAME);
                 }
             }

@@ -62,7 +62,7 @@ pub(crate) fn execute<T: BlasReal>(
 }
 
 /// Computes a product whose plan would be [`Strategy::Direct`], without making the plan.
-#[inline]
+#[inline(always)]
 pub(crate) fn execute_direct<T: BlasReal>(
     op: Op,
     product: Product<'_, T>,
