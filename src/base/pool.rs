@@ -432,7 +432,7 @@ mod tests {
         let (begun, ended) = (Latch::new(1), AtomicUsize::new(0));
         let first = |_: usize| {
             begun.count_down();
-            thread::sleep(std::time::Duration::from_millis(20));
+            thread::sleep(Duration::from_millis(20));
             ended.fetch_add(1, Ordering::Relaxed);
         };
         pool.help(1, &first, || begun.wait());
@@ -483,7 +483,7 @@ mod tests {
         let (begun, ended) = (Latch::new(1), AtomicUsize::new(0));
         let slow = |_: usize| {
             begun.count_down();
-            thread::sleep(std::time::Duration::from_millis(20));
+            thread::sleep(Duration::from_millis(20));
             ended.fetch_add(1, Ordering::Relaxed);
         };
         let own = || {
