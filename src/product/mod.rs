@@ -139,8 +139,8 @@ fn compute<T: BlasReal>(op: Op, product: Product<'_, T>, options: &AtaOptions<'_
     options.check()?;
     let (m, n, k) = (product.a.nrows(), product.c.nrows(), product.c.ncols());
     let problem = Problem::new(op, m, n, k)?;
-    if plan::direct_kernels(&problem, options).is_some() {
-        return execute_direct(op, product, options);
+    if let Some(native) = plan::direct_kernels(&problem, options) {
+        return execute_direct(native, op, product, options);
     }
     run(&Plan::new::<T>(op, m, n, k, options)?, product, options, None)
 }
