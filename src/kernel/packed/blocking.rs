@@ -2,7 +2,7 @@
 //! rounded, so they depend on the shape, the budget and the kernel only; the panels also depend on
 //! the caches of the machine and on the number of threads.
 
-use super::geometry::{CACHE_LINE, Geometry};
+use super::geometry::Geometry;
 use super::operands::Shape;
 use super::tuning::Tuning;
 use crate::base::data_caches;
@@ -18,12 +18,6 @@ pub(crate) struct Blocking {
     /// Rows of the sources that are packed at a time.
     pub chunk: usize,
 }
-
-/// Bytes of a row of the widest side that is narrow.
-const NARROW_BYTES: usize = 2 * CACHE_LINE;
-
-/// Rows that are always one block.
-pub(super) const FEW_ROWS: usize = 64;
 
 /// Items to aim for along the longer side, at least.
 const PARTS: usize = 5;
@@ -43,7 +37,7 @@ impl Blocking {
     ) -> Self {
         // Pieces of about equal length, since short ones are slow.
         let even = |length: usize, most: usize| length.div_ceil(length.div_ceil(most).max(1));
-        let depth = even(shape.depth, Self::most_rows(geometry, scalar_bytes, shape)).max(1);
+        let depth = even(shape.depth, geometry.tuning.depth).max(1);
         let longest = shape.rows.max(shape.cols).div_ceil(geometry.width);
         let parts = (2 * SHARE * threads).isqrt().max(PARTS);
         let most = item_side(geometry.tuning, scalar_bytes) / geometry.width;
@@ -56,20 +50,6 @@ impl Blocking {
         let blocks = shape.depth.div_ceil(depth).max(1);
         let most = budget / Self::packed_columns(geometry, shape).max(1) / depth;
         Self { depth, panels, chunk: even(blocks, most.max(1)) * depth }
-    }
-
-    /// Returns the most rows of a block, at least [`FEW_ROWS`]: fewer where two narrow sides offer
-    /// so little arithmetic for each line that it must come from the first-level cache. As many for
-    /// the transposed product.
-    pub fn most_rows(geometry: Geometry, scalar_bytes: usize, shape: Shape) -> usize {
-        let Tuning { depth, narrow, .. } = *geometry.tuning;
-        let widest = shape.rows.max(shape.cols);
-        // A single row of tiles reads everything once.
-        if shape.same || widest <= geometry.rows || widest > NARROW_BYTES / scalar_bytes {
-            return depth;
-        }
-        let row = (widest * scalar_bytes).next_multiple_of(CACHE_LINE) + CACHE_LINE;
-        depth.min((narrow / row).max(FEW_ROWS))
     }
 
     /// Returns the number of columns of both sides, padded to whole panels.

@@ -3,7 +3,7 @@
 
 use std::mem::MaybeUninit;
 
-use super::blocking::{Blocking, FEW_ROWS};
+use super::blocking::Blocking;
 use super::geometry::{Area, CACHE_LINE, Geometry};
 use super::in_place::InPlace;
 use super::kernel::Kernel;
@@ -110,7 +110,7 @@ const PAGE: usize = 4096;
 #[inline(always)]
 unsafe fn multiply_in_place<T: Real>(
     kernel: &dyn Kernel<T>,
-    geometry: Geometry,
+    Geometry { width, tuning, .. }: Geometry,
     left: Source<'_, T>,
     target: &mut Target<T>,
     shape: Shape,
@@ -119,11 +119,8 @@ unsafe fn multiply_in_place<T: Real>(
 ) {
     let Shape { depth: m, rows, cols, .. } = shape;
     let mut sums = Aligned::<[T; LARGEST_TILE]>(MaybeUninit::uninit());
-    let steps = match m {
-        // Without a division.
-        ..=FEW_ROWS => m.max(1),
-        _ => m.div_ceil(m.div_ceil(Blocking::most_rows(geometry, size_of::<T>(), shape))),
-    };
+    let most = tuning.depth;
+    let steps = if m <= most { m.max(1) } else { m.div_ceil(m.div_ceil(most)) };
     // A range with a step would be divided by it.
     let mut first = 0;
     while first < m.max(1) {
@@ -133,7 +130,7 @@ unsafe fn multiply_in_place<T: Real>(
             let cols = col..cols.min(col + wide);
             let product = InPlace {
                 steps: end - first,
-                left: left.in_place(first, geometry.width),
+                left: left.in_place(first, width),
                 right: right(first, Area { rows: first..end, cols: cols.clone() }),
                 rows: 0..rows,
                 cols,

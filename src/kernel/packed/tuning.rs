@@ -6,9 +6,6 @@ pub(crate) struct Tuning {
     /// Most rows of the sources that a tile sums in registers: the left side of a row of tiles
     /// stays in the first-level cache, and sums stay short. Determines how sums are rounded.
     pub depth: usize,
-    /// Bytes of a block of two narrow sides, of which each row of tiles reads the right one again:
-    /// the first-level cache of any CPU keeps them, so that results do not depend on it.
-    pub narrow: usize,
     /// Eighths of the second-level cache for the sums and the right side of an item; the left side
     /// passes through the rest.
     pub item: usize,
@@ -25,19 +22,19 @@ pub(crate) struct Tuning {
 pub(super) const DEEPEST: usize = 320;
 
 impl Tuning {
-    const fn new([depth, narrow, item, ahead, rows_ahead, in_place]: [usize; 6]) -> Self {
+    const fn new([depth, item, ahead, rows_ahead, in_place]: [usize; 5]) -> Self {
         assert!(depth <= DEEPEST && item < 8);
-        Self { depth, narrow, item, ahead, rows_ahead, in_place }
+        Self { depth, item, ahead, rows_ahead, in_place }
     }
 }
 
-// Measured on Zen 4 and 5 and on Sapphire Rapids (docs/algorithms/ata.md); `narrow`, and those of
-// NEON and of plain Rust, are not measured. All of them have one order of loops, that of `phase`.
+// Measured on Zen 4 and 5 and on Sapphire Rapids (docs/algorithms/ata.md); those of NEON and of
+// plain Rust are not measured. All of them have one order of loops, that of `phase`.
 // In the order of the fields.
 #[cfg(target_arch = "x86_64")]
-pub(super) const AVX512: Tuning = Tuning::new([320, usize::MAX, 7, 16, 6, 2]);
+pub(super) const AVX512: Tuning = Tuning::new([320, 7, 16, 6, 2]);
 #[cfg(target_arch = "x86_64")]
-pub(super) const AVX2: Tuning = Tuning::new([320, 24 << 10, 7, 16, 6, 2]);
+pub(super) const AVX2: Tuning = Tuning::new([320, 7, 16, 6, 2]);
 #[cfg(target_arch = "aarch64")]
-pub(super) const NEON: Tuning = Tuning::new([320, 24 << 10, 7, 16, 6, 2]);
-pub(super) const PORTABLE: Tuning = Tuning::new([320, usize::MAX, 7, 16, 6, 2]);
+pub(super) const NEON: Tuning = Tuning::new([320, 7, 16, 6, 2]);
+pub(super) const PORTABLE: Tuning = Tuning::new([320, 7, 16, 6, 2]);
