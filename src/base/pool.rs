@@ -191,8 +191,8 @@ impl ThreadPool {
 /// Calls `work` on a thread of a pool. If the call before has ended shortly before, the thread then
 /// stays awake for a while and takes the next calls: waking it takes as long as a small product.
 fn in_series(work: impl FnOnce()) {
-    /// Longest pause between two calls of a series.
-    const PAUSE: Duration = Duration::from_millis(2);
+    /// Longest pause between two calls of a series, with the time to wake the thread.
+    const PAUSE: Duration = Duration::from_micros(500);
     /// How long a thread stays awake without a call.
     const AWAKE: Duration = Duration::from_micros(100);
     thread_local! {
