@@ -184,7 +184,7 @@ def test_a_wrong_limit_on_instruction_sets_is_an_error_of_the_import():
     wrong = run("", env={**os.environ, "CATAMARAN_ISA": "avx3"})
     text = wrong.communicate(timeout=60)[1]
     assert wrong.returncode == 1
-    names = "portable, neon, dotprod, i8mm, avx2, avx512, vnni or amx"
+    names = "portable, neon, dotprod, i8mm, avx2, avxvnni, avx512, vnni or amx"
     assert f"CATAMARAN_ISA: must be {names}" in text, text
 
 
@@ -195,7 +195,7 @@ def test_reproducible_bytes_are_the_same_within_every_limit():
             print(catamaran.ata(a[:, :n], reproducible=True).tobytes().hex())
     """
     found = set()
-    for isa in ("", "portable", "avx2", "avx512"):
+    for isa in ("", "portable", "avx2", "avxvnni", "avx512"):
         child = run(code, env={**os.environ, "CATAMARAN_ISA": isa})
         found.add(child.communicate(timeout=60)[0])
         assert child.returncode == 0

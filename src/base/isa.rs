@@ -29,6 +29,8 @@ pub enum IsaLevel {
     I8mm,
     /// AVX2 with FMA and BMI2.
     Avx2,
+    /// AVX2 with dot products of bytes (AVX-VNNI).
+    AvxVnni,
     /// AVX-512 (F, VL, DQ, BW).
     Avx512,
     /// AVX-512 with dot products of bytes (VNNI).
@@ -39,19 +41,20 @@ pub enum IsaLevel {
 
 impl IsaLevel {
     /// All levels, the smallest first.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Portable,
         Self::Neon,
         Self::Dotprod,
         Self::I8mm,
         Self::Avx2,
+        Self::AvxVnni,
         Self::Avx512,
         Self::Vnni,
         Self::Amx,
     ];
 
     /// Returns the name that `CATAMARAN_ISA` takes: `portable`, `neon`, `dotprod`, `i8mm`, `avx2`,
-    /// `avx512`, `vnni` or `amx`.
+    /// `avxvnni`, `avx512`, `vnni` or `amx`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Portable => "portable",
@@ -59,6 +62,7 @@ impl IsaLevel {
             Self::Dotprod => "dotprod",
             Self::I8mm => "i8mm",
             Self::Avx2 => "avx2",
+            Self::AvxVnni => "avxvnni",
             Self::Avx512 => "avx512",
             Self::Vnni => "vnni",
             Self::Amx => "amx",
@@ -162,6 +166,7 @@ mod tests {
 
     #[test]
     fn every_level_is_parsed_by_its_name_and_nothing_else_is() {
+        assert!(IsaLevel::ALL.is_sorted(), "a limit permits the levels before it");
         for level in IsaLevel::ALL {
             assert_eq!(parse(level.name()), Ok(level));
             assert_eq!(parse(&format!(" {} ", level.name())), Ok(level));
@@ -169,7 +174,8 @@ mod tests {
         assert_eq!(parse(" "), Ok(IsaLevel::Amx));
         for text in ["AVX2", "avx", "avx3", "none", "avx2,fma"] {
             let why = parse(text).unwrap_err();
-            let all = "must be portable, neon, dotprod, i8mm, avx2, avx512, vnni or amx, not ";
+            let all =
+                "must be portable, neon, dotprod, i8mm, avx2, avxvnni, avx512, vnni or amx, not ";
             assert!(why.contains(all) && why.contains(text), "{why}");
         }
     }

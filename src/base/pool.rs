@@ -1,6 +1,7 @@
 //! Pools of threads: those that a program makes, and those that the process keeps for all calls.
 
 use std::any::Any;
+use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::mem::{self, ManuallyDrop};
 use std::ops::Range;
@@ -8,6 +9,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
 use std::{process, ptr};
 
 use core_affinity::CoreId;
@@ -170,9 +172,11 @@ impl ThreadPool {
             let (waiting, visit) = (self.waiting.clone(), visit.clone());
             self.pool.spawn(move || {
                 waiting.fetch_sub(1, Ordering::Relaxed);
-                if visit.enter() {
-                    visit.leave(catch_unwind(AssertUnwindSafe(|| work(i))).err());
-                }
+                in_series(move || {
+                    if visit.enter() {
+                        visit.leave(catch_unwind(AssertUnwindSafe(|| work(i))).err());
+                    }
+                });
             });
         }
         own();
@@ -182,6 +186,33 @@ impl ThreadPool {
             resume_unwind(panic);
         }
     }
+}
+
+/// Calls `work` on a thread of a pool. If the call before has ended shortly before, the thread then
+/// stays awake for a while and takes the next calls: waking it takes as long as a small product.
+fn in_series(work: impl FnOnce()) {
+    /// Longest pause between two calls of a series, with the time to wake the thread.
+    const PAUSE: Duration = Duration::from_micros(500);
+    /// How long a thread stays awake without a call.
+    const AWAKE: Duration = Duration::from_micros(100);
+    thread_local! {
+        /// When the last call of this thread ended.
+        static ENDED: Cell<Option<Instant>> = const { Cell::new(None) };
+        /// Whether this thread is staying awake, and `work` is one of the calls that it takes.
+        static IS_AWAKE: Cell<bool> = const { Cell::new(false) };
+    }
+    let ended_within = |time: Duration| ENDED.get().is_some_and(|ended| ended.elapsed() < time);
+    let is_series = ended_within(PAUSE);
+    work();
+    ENDED.set(Some(Instant::now()));
+    if !is_series || IS_AWAKE.replace(true) {
+        return;
+    }
+    while ended_within(AWAKE) {
+        rayon::yield_now();
+        thread::yield_now();
+    }
+    IS_AWAKE.set(false);
 }
 
 /// Threads of a pool that help a caller.
@@ -401,7 +432,7 @@ mod tests {
         let (begun, ended) = (Latch::new(1), AtomicUsize::new(0));
         let first = |_: usize| {
             begun.count_down();
-            thread::sleep(std::time::Duration::from_millis(20));
+            thread::sleep(Duration::from_millis(20));
             ended.fetch_add(1, Ordering::Relaxed);
         };
         pool.help(1, &first, || begun.wait());
@@ -423,6 +454,23 @@ mod tests {
     }
 
     #[test]
+    fn every_call_of_a_long_series_is_helped_on_a_stack_of_bounded_depth() {
+        /// Calls that would overflow the stack of a thread that took each inside of the last.
+        const CALLS: usize = if cfg!(miri) { 10 } else { 20_000 };
+        let pool = ThreadPool::new(1, Pin::No).unwrap();
+        let helped = AtomicUsize::new(0);
+        for _ in 0..CALLS {
+            let begun = Latch::new(1);
+            let help = |_: usize| {
+                helped.fetch_add(1, Ordering::Relaxed);
+                begun.count_down();
+            };
+            pool.help(1, &help, || begun.wait());
+        }
+        assert_eq!(helped.into_inner(), CALLS);
+    }
+
+    #[test]
     fn panics_of_helpers_and_of_the_caller_are_passed_on() {
         let pool = ThreadPool::new(1, Pin::No).unwrap();
         let begun = Latch::new(1);
@@ -435,7 +483,7 @@ mod tests {
         let (begun, ended) = (Latch::new(1), AtomicUsize::new(0));
         let slow = |_: usize| {
             begun.count_down();
-            thread::sleep(std::time::Duration::from_millis(20));
+            thread::sleep(Duration::from_millis(20));
             ended.fetch_add(1, Ordering::Relaxed);
         };
         let own = || {

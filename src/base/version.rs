@@ -60,6 +60,7 @@ pub fn cpu_features() -> Vec<&'static str> {
     {
         add(IsaLevel::Avx2, is_x86_feature_detected!("avx2"), "avx2");
         add(IsaLevel::Avx2, is_x86_feature_detected!("fma"), "fma");
+        add(IsaLevel::AvxVnni, is_x86_feature_detected!("avxvnni"), "avxvnni");
         add(IsaLevel::Avx512, is_x86_feature_detected!("avx512f"), "avx512f");
         add(IsaLevel::Vnni, is_x86_feature_detected!("avx512vnni"), "avx512vnni");
     }

@@ -84,8 +84,8 @@ impl Native {
         let kernel = T::kernel(self.isa);
         let mut shape = Shape { depth: a.nrows(), rows: n, cols: k, same: b.is_none() };
         let source = |matrix| Source { coefficient: T::ONE, matrix, scale: None };
-        let (mut left, mut right) = (source(a), source(b.unwrap_or(a)));
-        let plain = left.is_plain(shape.depth, n) && right.is_plain(shape.depth, k);
+        let (mut left, mut right) = (a, b.unwrap_or(a));
+        let plain = source(left).is_plain(shape.depth, n) && source(right).is_plain(shape.depth, k);
         if !is_small(shape, plain) {
             return large_product(
                 kernel,
@@ -106,7 +106,7 @@ impl Native {
             (shape.rows, shape.cols) = (k, n);
         }
         // SAFETY: C is borrowed for the length of this call.
-        unsafe { run_small(kernel, left, right, target, shape) };
+        unsafe { run_small(kernel, source(left), source(right), &mut target, shape) };
         ControlFlow::Continue(())
     }
 }
@@ -180,10 +180,10 @@ fn product_in_pieces<T: FloatOperand>(
                 let (left, right) =
                     (a.submatrix(first, i, depth, rows), b.submatrix(first, j, depth, cols));
                 let beta = if first == 0 { beta } else { T::ONE };
-                let target = destination.block(i..i + rows, j..j + cols, alpha, beta);
+                let mut target = destination.block(i..i + rows, j..j + cols, alpha, beta);
                 let shape = Shape { depth, rows, cols, same: false };
                 // SAFETY: C is borrowed for the length of the caller's call.
-                unsafe { run_small(kernel, source(left), source(right), target, shape) };
+                unsafe { run_small(kernel, source(left), source(right), &mut target, shape) };
             }
         }
     }

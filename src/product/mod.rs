@@ -133,14 +133,14 @@ pub fn atb_into<T: BlasReal>(
 }
 
 /// Computes a product by a plan, or one that is too small for a plan directly: a plan takes as long
-/// as a product of ten columns.
-#[inline]
+/// as a product of ten columns. Inlined, so that the smallest products copy no arguments.
+#[inline(always)]
 fn compute<T: BlasReal>(op: Op, product: Product<'_, T>, options: &AtaOptions<'_>) -> Result<()> {
     options.check()?;
     let (m, n, k) = (product.a.nrows(), product.c.nrows(), product.c.ncols());
     let problem = Problem::new(op, m, n, k)?;
-    if plan::direct_kernels(&problem, options).is_some() {
-        return execute_direct(op, product, options);
+    if let Some(native) = plan::direct_kernels(&problem, options) {
+        return execute_direct(native, op, product, options);
     }
     run(&Plan::new::<T>(op, m, n, k, options)?, product, options, None)
 }

@@ -60,8 +60,8 @@ fn the_limit_on_instruction_sets_is_shown_and_kept_and_a_wrong_one_is_an_error()
     for arguments in [&["info"][..], &["ata", "a.csv", "-o", "c.npy"]] {
         let refused = run("avx3", arguments);
         assert_eq!(refused.code, Some(1), "{}", refused.stderr);
-        let what = "CATAMARAN_ISA: must be portable, neon, dotprod, i8mm, avx2, avx512, vnni or \
-            amx, not \"avx3\"";
+        let what = "CATAMARAN_ISA: must be portable, neon, dotprod, i8mm, avx2, avxvnni, avx512, \
+            vnni or amx, not \"avx3\"";
         assert!(refused.stderr.contains(what), "{}", refused.stderr);
     }
     assert!(!folder.path("c.npy").exists());
@@ -70,7 +70,7 @@ fn the_limit_on_instruction_sets_is_shown_and_kept_and_a_wrong_one_is_an_error()
 #[test]
 fn reproducible_products_have_the_same_bytes_at_every_level() {
     let (folder, _) = with_input(400, 150);
-    let bytes = ["portable", "avx2", "avx512", "vnni", "amx"].map(|isa| {
+    let bytes = ["portable", "avx2", "avxvnni", "avx512", "vnni", "amx"].map(|isa| {
         let c = format!("{isa}.npy");
         let arguments = ["ata", "a.npy", "-o", &c, "--reproducible"];
         let output = folder.program().env("CATAMARAN_ISA", isa).args(arguments).output().unwrap();

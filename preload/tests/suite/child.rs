@@ -345,7 +345,7 @@ fn results_are_the_same_bytes_for_any_number_of_threads() {
 fn reproducible_bytes_are_the_same_for_every_instruction_set() {
     for mode in ["reproducible", "max"] {
         let of = |isa| bytes(&[("CATAMARAN_BLAS", mode), ("CATAMARAN_ISA", isa)]);
-        let bytes = ["", "portable", "avx2", "avx512", "vnni"].map(of);
+        let bytes = ["", "portable", "avx2", "avxvnni", "avx512", "vnni"].map(of);
         assert!(bytes.iter().all(|b| *b == bytes[0]), "{mode}: {bytes:?}");
     }
 }

@@ -1,5 +1,6 @@
-//! The kernel for AVX2: products of 16-bit numbers, added in pairs. Norms, the reduction of sums
-//! and recombination are the portable code, compiled for AVX2.
+//! The kernels for AVX2 and AVX-VNNI, which differ in their products: of 16-bit numbers, added in
+//! pairs, or by dot products of bytes ([`dots`]). Norms, the reduction of the sums of pairs and
+//! recombination are the portable code, compiled for AVX2.
 
 use std::arch::x86_64::*;
 
@@ -8,23 +9,43 @@ use super::lane_set::LaneSet;
 use super::lanes_avx2::Avx2Lanes;
 use super::moduli::{Modulus, WORD_BITS};
 use super::tile::{
-    PanelBlock, Powers, Residues, STEP, Slice, Square, Tile, TileNorms, WIDTH, power_of_two,
-    tile_norms,
+    PanelBlock, Powers, Residues, STEP, Slice, Square, Tile, TileNorms, WIDTH, biased,
+    power_of_two, tile_norms,
 };
-use super::{portable, recombine};
+use super::{dots, portable, recombine};
 use crate::base::IsaLevel;
 
-/// The kernel. A value exists only if the CPU has the instructions, so the calls below are sound.
-pub(super) struct Avx2(());
+/// The kernel. A value exists only if the CPU has AVX2, FMA and the instructions of `dots`, so the
+/// calls below are sound.
+pub(super) struct Avx2 {
+    /// Implements [`Kernel::product`] by dot products, with the left side biased by 128.
+    dots: Option<unsafe fn(&Operands<'_>, &mut [PanelBlock<i8>])>,
+}
 
-static AVX2: Avx2 = Avx2(());
+static AVX2: Avx2 = Avx2 { dots: None };
+static AVX_VNNI: Avx2 = Avx2 { dots: Some(dots::product) };
 
 impl Avx2 {
-    /// Returns the kernel, or why this machine can't use it.
+    /// Returns the kernel without dot products, or why this machine can't use it.
     pub fn new() -> Result<&'static Self, &'static str> {
         IsaLevel::Avx2.permitted()?;
         let found = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
         if found { Ok(&AVX2) } else { Err("the CPU has no AVX2 with FMA") }
+    }
+
+    /// Returns the kernel with the dot products of AVX-VNNI, or why this machine can't use it.
+    pub fn with_dots() -> Result<&'static Self, &'static str> {
+        IsaLevel::AvxVnni.permitted()?;
+        Self::new()?;
+        let found = is_x86_feature_detected!("avxvnni");
+        if found { Ok(&AVX_VNNI) } else { Err("the CPU has no AVX-VNNI") }
+    }
+
+    /// Returns the kernel with emulated dot products, or why this machine can't use it.
+    #[cfg(test)]
+    pub fn with_emulated_dots() -> Result<&'static Self, &'static str> {
+        static EMULATED: Avx2 = Avx2 { dots: Some(dots::emulated_product) };
+        Self::new().map(|_| &EMULATED)
     }
 }
 
@@ -64,7 +85,15 @@ impl Kernel for Avx2 {
         unsafe { convert_wide(it) }
     }
 
+    fn to_left(&self, right: &[Slice], left: &mut [Slice]) {
+        if self.dots.is_some() { biased(right, left) } else { left.copy_from_slice(right) }
+    }
+
     fn product(&self, operands: &Operands<'_>, residues: &mut [PanelBlock<i8>]) {
+        if let Some(product) = self.dots {
+            // SAFETY: `self` exists, so the CPU has the instructions.
+            return unsafe { product(operands, residues) };
+        }
         product_by_pairs(
             operands,
             residues,
@@ -115,8 +144,9 @@ fn add_products(sums: __m256i, digits: Digits, weights: [__m256i; 2]) -> __m256i
 
 /// Reduces sums of digits (see [`Modulus`]) to residues between -128 and 127. As floats the sums
 /// are exact, and the quotients before rounding are wrong by less than 2^-12.
+#[inline]
 #[target_feature(enable = "avx2,fma")]
-fn finish(sums: __m256i, p: i32) -> __m256i {
+pub(super) fn finish(sums: __m256i, p: i32) -> __m256i {
     let quotient = _mm256_mul_ps(_mm256_cvtepi32_ps(sums), _mm256_set1_ps(1.0 / p as f32));
     let quotient = _mm256_cvtps_epi32(quotient);
     _mm256_sub_epi32(sums, _mm256_mullo_epi32(quotient, _mm256_set1_epi32(p)))

@@ -8,7 +8,7 @@ use super::lanes_avx512::Avx512Lanes;
 use super::moduli::{Moduli, Modulus, WORD_BITS};
 use super::tile::{
     MAGNITUDE, PANEL, PanelBlock, Powers, Residues, STEP, Slice, Square, Tile, TileNorms, WIDTH,
-    norm_exponents, power_of_two,
+    biased, norm_exponents, power_of_two,
 };
 use crate::base::IsaLevel;
 use crate::kernel::finish_stores;
@@ -82,11 +82,7 @@ impl Kernel for Vnni {
     }
 
     fn to_left(&self, right: &[Slice], left: &mut [Slice]) {
-        // The instruction multiplies unsigned by signed bytes: adds 128 to the left ones.
-        let (right, left) = (right.as_flattened().as_flattened(), left.as_flattened_mut());
-        for (left, &right) in left.as_flattened_mut().iter_mut().zip(right) {
-            *left = right ^ i8::MIN;
-        }
+        biased(right, left);
     }
 
     fn product(&self, operands: &Operands<'_>, residues: &mut [PanelBlock<i8>]) {

@@ -15,7 +15,7 @@ use crate::base::Rng;
 pub(crate) static PORTABLE: portable::Portable = portable::Portable;
 
 /// Returns every kernel that can run here, with its name. Without AMX, Linux with AVX-512 VNNI
-/// emulates it.
+/// emulates it, and without AVX-VNNI, AVX2 emulates that.
 pub(crate) fn kernels() -> Vec<(&'static str, &'static dyn Kernel)> {
     #[allow(unused_mut)]
     let mut found: Vec<(&'static str, &'static dyn Kernel)> = vec![("portable", &PORTABLE)];
@@ -30,6 +30,9 @@ pub(crate) fn kernels() -> Vec<(&'static str, &'static dyn Kernel)> {
     {
         if let Ok(kernel) = avx2::Avx2::new() {
             found.push(("avx2", kernel));
+        }
+        if let Ok(kernel) = avx2::Avx2::with_dots().or_else(|_| avx2::Avx2::with_emulated_dots()) {
+            found.push(("avxvnni", kernel));
         }
         if let Ok(kernel) = avx512::Vnni::new() {
             found.push(("vnni", kernel));

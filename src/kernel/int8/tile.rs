@@ -93,6 +93,15 @@ impl<T: Real> Tile<T> {
     }
 }
 
+/// Adds 128 to every residue, for a left side: `vpdpbusd` multiplies unsigned by signed bytes.
+#[inline]
+pub(super) fn biased(right: &[Slice], left: &mut [Slice]) {
+    let (right, left) = (right.as_flattened().as_flattened(), left.as_flattened_mut());
+    for (left, &right) in left.as_flattened_mut().iter_mut().zip(right) {
+        *left = right ^ i8::MIN;
+    }
+}
+
 /// Transposes a matrix of multiples of eight rows and columns.
 #[inline(always)]
 pub(crate) fn transpose<T: Copy, const M: usize, const N: usize>(

@@ -4,13 +4,13 @@
 
 use super::geometry::Geometry;
 use super::operands::Shape;
+use super::tuning::Tuning;
 use crate::base::data_caches;
 
 /// Extents of the pieces of a product.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Blocking {
-    /// Rows of the sources that a tile sums in registers: the left side of a row of tiles stays in
-    /// the first-level cache, and sums stay short.
+    /// Rows of the sources that a tile sums in registers, at most [`Tuning::depth`].
     pub depth: usize,
     /// Panels along each side of an item, the piece of a product that one thread takes. The sums
     /// and the right side of an item stay in the second-level cache.
@@ -18,9 +18,6 @@ pub(crate) struct Blocking {
     /// Rows of the sources that are packed at a time.
     pub chunk: usize,
 }
-
-/// Upper bound on [`Blocking::depth`].
-pub(super) const DEPTH: usize = 320;
 
 /// Items to aim for along the longer side, at least.
 const PARTS: usize = 5;
@@ -40,11 +37,16 @@ impl Blocking {
     ) -> Self {
         // Pieces of about equal length, since short ones are slow.
         let even = |length: usize, most: usize| length.div_ceil(length.div_ceil(most).max(1));
-        let depth = even(shape.depth, DEPTH).max(1);
+        let depth = even(shape.depth, geometry.tuning.depth).max(1);
         let longest = shape.rows.max(shape.cols).div_ceil(geometry.width);
         let parts = (2 * SHARE * threads).isqrt().max(PARTS);
-        let panels = item_side(scalar_bytes) / geometry.width;
-        let panels = panels.min(longest.div_ceil(parts)).max(1);
+        let most = item_side(geometry.tuning, scalar_bytes) / geometry.width;
+        let panels = match threads {
+            // Nobody to share with: a product that fits is one item, which reads a chunk once.
+            1 if longest <= most => longest,
+            _ => most.min(longest.div_ceil(parts)),
+        };
+        let panels = panels.max(1);
         let blocks = shape.depth.div_ceil(depth).max(1);
         let most = budget / Self::packed_columns(geometry, shape).max(1) / depth;
         Self { depth, panels, chunk: even(blocks, most.max(1)) * depth }
@@ -75,10 +77,10 @@ impl Blocking {
     }
 }
 
-/// Returns the side of an item, in columns, whose sums and right side, `s (s + DEPTH)` scalars,
-/// leave an eighth of the second-level cache to the left side.
-fn item_side(scalar_bytes: usize) -> usize {
+/// Returns the side of an item, in columns, whose sums and right side, `s (s + depth)` scalars, fit
+/// their part of the second-level cache.
+fn item_side(tuning: &Tuning, scalar_bytes: usize) -> usize {
     let [_, cache] = data_caches();
-    let (scalars, half) = (cache / 8 * 7 / scalar_bytes, DEPTH / 2);
+    let (scalars, half) = (cache / 8 * tuning.item / scalar_bytes, tuning.depth / 2);
     (scalars + half * half).isqrt() - half
 }

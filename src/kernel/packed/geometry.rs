@@ -2,7 +2,9 @@
 
 use std::ops::Range;
 
-/// The extents of a kernel's tiles.
+use super::tuning::Tuning;
+
+/// The extents of a kernel's tiles, and the constants of the loops around them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Geometry {
     /// Scalars of a vector.
@@ -11,6 +13,7 @@ pub(crate) struct Geometry {
     pub rows: usize,
     /// Columns of a tile, and of a panel.
     pub width: usize,
+    pub tuning: &'static Tuning,
 }
 
 /// Ranges of rows and columns.

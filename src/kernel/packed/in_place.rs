@@ -46,9 +46,15 @@ pub(super) unsafe fn multiply_in_place<V: Vectors, const ROWS: usize, const COUN
         [target] if product.last && !product.kept && target.is_plain() => Some(target),
         _ => None,
     };
+    let takes_whole = |target: &Target<_>| target.takes_whole(product.rows.clone(), cols.clone());
+    let double = !V::MASK_REGISTERS && cols.len() == V::LANES && only.is_some_and(takes_whole);
     let mut row = product.rows.start;
     while row < product.rows.end {
-        let height = V::ROWS.min(product.rows.end - row);
+        let height = match product.rows.end - row {
+            // One vector in each of few rows would wait for its sums.
+            8.. if double => 8,
+            rest => V::ROWS.min(rest),
+        };
         let wanted = match targets {
             [target] => target.wanted_of(row..row + height),
             _ => wanted_of(targets, row..row + height),
@@ -64,48 +70,34 @@ pub(super) unsafe fn multiply_in_place<V: Vectors, const ROWS: usize, const COUN
                 rest => V::WIDTH.min(rest),
             };
             let count = width.div_ceil(V::LANES);
+            let rest = width - (count - 1) * V::LANES;
             // Without registers for masks, only tiles of whole vectors that are wanted.
             let direct = only.filter(|target| {
                 V::MASK_REGISTERS
-                    || width.is_multiple_of(V::LANES)
-                        && target.takes_whole(row..row + height, col..col + width)
+                    || rest == V::LANES && target.takes_whole(row..row + height, col..col + width)
             });
             // SAFETY: the caller's promise; the tile lies inside of the sides.
             unsafe {
-                let tail = V::mask(low_bits(width - (count - 1) * V::LANES));
-                let mut tile = Tile {
+                let tail = V::mask(low_bits(rest));
+                let masked = V::MASK_REGISTERS || count == 1 && rest < V::LANES;
+                let tile = Tile {
                     steps,
                     left: left.start.wrapping_add(row),
                     left_stride: left.row_stride,
                     right: right.start.wrapping_add(col),
                     right_stride: right.row_stride,
+                    shift: if masked { 0 } else { V::LANES - rest },
                     sums,
                     add: product.add,
                 };
                 let corner = (row, col);
                 if V::MASK_REGISTERS {
                     part_of_tile::<V, ROWS, COUNT, true>(tile, corner, height, count, tail, direct);
-                } else if width.is_multiple_of(V::LANES) {
+                } else if masked {
+                    part_of_tile::<V, ROWS, 1, true>(tile, corner, height, 1, tail, None);
+                } else {
                     part_of_tile::<V, ROWS, COUNT, false>(
                         tile, corner, height, count, tail, direct,
-                    );
-                } else {
-                    // Beside a mask there are registers for the sums of two vectors.
-                    let whole = if count > 2 { count - 1 } else { 0 };
-                    if whole > 0 {
-                        part_of_tile::<V, ROWS, COUNT, false>(
-                            tile, corner, height, whole, tail, None,
-                        );
-                        tile.right = tile.right.add(whole * V::LANES);
-                        tile.sums = tile.sums.add(whole * V::LANES);
-                    }
-                    part_of_tile::<V, ROWS, 2, true>(
-                        tile,
-                        corner,
-                        height,
-                        count - whole,
-                        tail,
-                        None,
                     );
                 }
                 if product.last && direct.is_none() {
@@ -119,13 +111,13 @@ pub(super) unsafe fn multiply_in_place<V: Vectors, const ROWS: usize, const COUN
             }
             col += width;
         }
-        row += V::ROWS;
+        row += height;
     }
 }
 
 /// Computes `height` rows and `count` vectors of a tile, of the last vector the lanes `tail` if
 /// `MASKED`, and reads nothing else. Writes the sums to `target` at `(row, col)`, or without a
-/// target to memory.
+/// target to memory. Tiles of one whole vector and 4 rows may also have 8.
 ///
 /// # Safety
 /// As for [`multiply_in_place`].
@@ -173,6 +165,9 @@ unsafe fn part_of_tile<V: Vectors, const ROWS: usize, const COUNT: usize, const 
     unsafe {
         if height == ROWS {
             return rows!(ROWS);
+        }
+        if ROWS == 4 && !MASKED && height == 8 {
+            return part!(8, 1);
         }
         rows_and_on!(4);
         rows_and_on!(2);

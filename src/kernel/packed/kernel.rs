@@ -48,6 +48,7 @@ macro_rules! instantiate {
                     lanes: <$vectors as V>::LANES,
                     rows: <$vectors as V>::ROWS,
                     width: <$vectors as V>::WIDTH,
+                    tuning: const { &<$vectors as V>::TUNING },
                 }
             }
 

@@ -28,6 +28,7 @@ mod target;
 #[cfg(test)]
 mod tests;
 mod tile;
+mod tuning;
 mod vectors;
 mod write;
 #[cfg(target_arch = "x86_64")]

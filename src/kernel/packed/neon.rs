@@ -5,6 +5,7 @@
 use std::arch::aarch64::*;
 
 use super::kernel::instantiate;
+use super::tuning::{self, Tuning};
 use super::vectors::{Vectors, low_bits};
 use crate::base::IsaLevel;
 use crate::kernel::prefetch;
@@ -25,6 +26,7 @@ macro_rules! vectors {
             const ROWS: usize = 4;
             const COUNT: usize = 3;
             const MASK_REGISTERS: bool = false;
+            const TUNING: Tuning = tuning::NEON;
 
             #[inline(always)]
             unsafe fn splat(x: $t) -> [$v; 2] {

@@ -64,10 +64,6 @@ pub(crate) struct Shape {
     pub same: bool,
 }
 
-/// Most panels of a side that is read in place: with more panels, rows are read so often that
-/// packing pays. Measured on Zen 4.
-pub(super) const PANELS_IN_PLACE: usize = 2;
-
 impl<'a, T: Real> KernelProduct<'a, T> {
     /// Returns the sources of the left (0) or right (1) side.
     pub fn sources(&self, side: usize) -> &[Source<'a, T>] {
@@ -78,7 +74,8 @@ impl<'a, T: Real> KernelProduct<'a, T> {
     pub fn in_place(&self, geometry: Geometry) -> bool {
         let Shape { depth, rows, cols, .. } = self.shape;
         let plain = |side, width| matches!(self.sources(side), [s] if s.is_plain(depth, width));
-        plain(0, rows) && plain(1, cols) && rows.max(cols) <= PANELS_IN_PLACE * geometry.width
+        let most = geometry.tuning.in_place * geometry.width;
+        plain(0, rows) && plain(1, cols) && rows.max(cols) <= most
     }
 }
 

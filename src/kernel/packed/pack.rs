@@ -87,9 +87,6 @@ pub(super) unsafe fn pack<V: Vectors>(
     }
 }
 
-/// Distance of prefetches from sources, in rows.
-const ROWS_AHEAD: usize = 6;
-
 /// Packs an area that N sources stored by rows have in full; all of them have a scale if `SCALED`,
 /// else none.
 #[inline(always)]
@@ -109,7 +106,7 @@ unsafe fn pack_rows<V: Vectors, const N: usize, const SCALED: bool>(
             sources.map(|s| s.scale.map_or(std::ptr::null(), |d| d[area.cols.clone()].as_ptr()));
         for (k, row) in area.rows.clone().enumerate() {
             let rows = sources.map(|s| s.matrix.ptr_at(row, first));
-            let ahead = sources.map(|s| ahead_of(&s, row, first));
+            let ahead = sources.map(|s| ahead_of::<V>(&s, row, first));
             let sum = |at: usize, mask: Option<V::Mask>| {
                 sum_of::<V, N, SCALED>(sources, &rows, &scales, at, mask)
             };
@@ -193,7 +190,7 @@ unsafe fn pack_many_rows<V: Vectors>(
                 let mask = V::mask(low_bits(V::LANES.min(columns.saturating_sub(first))));
                 let mut sum = V::splat(V::Scalar::ZERO);
                 for s in sources {
-                    V::prefetch(ahead_of(s, row, at));
+                    V::prefetch(ahead_of::<V>(s, row, at));
                     let from = s.matrix.as_ptr();
                     let from = from.wrapping_offset(row as isize * s.matrix.row_stride());
                     let mut term = V::load_masked(from.wrapping_add(at), mask);
@@ -208,10 +205,14 @@ unsafe fn pack_many_rows<V: Vectors>(
     }
 }
 
-/// Returns the address [`ROWS_AHEAD`] rows below entry (row, col), for a prefetch.
+/// Returns the address to prefetch while entry (row, col) is packed.
 #[inline(always)]
-fn ahead_of<T>(source: &Source<'_, T>, row: usize, col: usize) -> *const T {
-    let down = (row + ROWS_AHEAD) as isize * source.matrix.row_stride();
+fn ahead_of<V: Vectors>(
+    source: &Source<'_, V::Scalar>,
+    row: usize,
+    col: usize,
+) -> *const V::Scalar {
+    let down = (row + V::TUNING.rows_ahead) as isize * source.matrix.row_stride();
     source.matrix.as_ptr().wrapping_offset(down).wrapping_add(col)
 }
 

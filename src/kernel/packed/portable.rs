@@ -2,6 +2,7 @@
 //! CPU.
 
 use super::kernel::instantiate;
+use super::tuning::{self, Tuning};
 use super::vectors::Vectors;
 use crate::base::Real;
 
@@ -18,6 +19,7 @@ impl<T: Real, const N: usize> Vectors for Array<T, N> {
     const ROWS: usize = 4;
     const COUNT: usize = 2;
     const MASK_REGISTERS: bool = false;
+    const TUNING: Tuning = tuning::PORTABLE;
 
     #[inline(always)]
     unsafe fn splat(x: T) -> [T; N] {

@@ -3,14 +3,15 @@
 
 use std::mem::MaybeUninit;
 
-use super::blocking::{Blocking, DEPTH};
+use super::blocking::Blocking;
 use super::geometry::{Area, CACHE_LINE, Geometry};
 use super::in_place::InPlace;
 use super::kernel::Kernel;
-use super::operands::{PANELS_IN_PLACE, Shape, Source};
+use super::operands::{Shape, Source};
 use super::pack::Panels;
 use super::target::Target;
 use super::tile::{Row, Side};
+use super::tuning::DEEPEST;
 use super::write::LARGEST_TILE;
 use crate::base::{Real, data_caches};
 
@@ -21,7 +22,7 @@ const PACKED: usize = 9216;
 const WIDEST: usize = 48;
 
 /// Bytes of the largest panel, 60 KiB on the stack: panels of f64 have half of the columns.
-const PANEL: usize = DEPTH * WIDEST * size_of::<f32>();
+const PANEL: usize = DEEPEST * WIDEST * size_of::<f32>();
 
 /// Most scalar multiplications of a small product of plain sources: what one thread computes before
 /// another has woken up.
@@ -54,7 +55,8 @@ pub(crate) fn is_small(shape: Shape, plain: bool) -> bool {
 #[repr(align(64))]
 struct Aligned<M>(MaybeUninit<M>);
 
-/// Computes a small product ([`is_small`]).
+/// Computes a small product ([`is_small`]), and leaves the target as one that is added to: a copy
+/// of it would take a tenth of the time of the smallest products.
 ///
 /// # Safety
 /// Nobody else uses the matrix that the target comes from.
@@ -63,16 +65,17 @@ pub(crate) unsafe fn run_small<T: Real>(
     kernel: &dyn Kernel<T>,
     left: Source<'_, T>,
     right: Source<'_, T>,
-    target: Target<T>,
+    target: &mut Target<T>,
     shape: Shape,
 ) {
     // SAFETY: the caller's promise; plain sources can be read in place.
     unsafe {
+        let geometry = kernel.geometry();
         if !left.is_plain(shape.depth, shape.rows) || !right.is_plain(shape.depth, shape.cols) {
             multiply_packed(kernel, left, right, target, shape);
-        } else if strips_stay(right, shape, kernel.geometry()) {
-            let side = |first, _| right.in_place(first, kernel.geometry().width);
-            multiply_in_place(kernel, left, target, shape, shape.cols, side);
+        } else if strips_stay(right, shape, geometry) {
+            let side = |first, _| right.in_place(first, geometry.width);
+            multiply_in_place(kernel, geometry, left, target, shape, shape.cols, side);
         } else {
             multiply_panels(kernel, left, right, target, shape);
         }
@@ -87,13 +90,13 @@ fn strips_stay<T: Real>(right: Source<'_, T>, shape: Shape, geometry: Geometry) 
     /// Rows of tiles.
     const FEW: usize = 8;
     let Shape { depth, rows, same, .. } = shape;
-    if rows <= PANELS_IN_PLACE * geometry.width {
+    if rows <= geometry.tuning.in_place * geometry.width {
         return true;
     }
     let stride = right.matrix.row_stride().unsigned_abs() * size_of::<T>();
     let apart = 1 << stride.trailing_zeros().clamp(CACHE_LINE.ilog2(), PAGE.ilog2());
     let share = if same || rows <= FEW * geometry.rows { 1 } else { 2 };
-    depth.min(DEPTH) * apart <= data_caches()[0] / share
+    depth.min(geometry.tuning.depth) * apart <= data_caches()[0] / share
 }
 
 /// Bytes after which addresses share a set of a first-level cache.
@@ -107,32 +110,34 @@ const PAGE: usize = 4096;
 #[inline(always)]
 unsafe fn multiply_in_place<T: Real>(
     kernel: &dyn Kernel<T>,
+    Geometry { width, tuning, .. }: Geometry,
     left: Source<'_, T>,
-    target: Target<T>,
+    target: &mut Target<T>,
     shape: Shape,
     wide: usize,
     right: impl Fn(usize, Area) -> Side<T>,
 ) {
-    let width = kernel.geometry().width;
     let Shape { depth: m, rows, cols, .. } = shape;
     let mut sums = Aligned::<[T; LARGEST_TILE]>(MaybeUninit::uninit());
-    let mut targets = [target];
-    let steps = if m <= DEPTH { m.max(1) } else { m.div_ceil(m.div_ceil(DEPTH)) };
-    for first in (0..m.max(1)).step_by(steps) {
-        let steps = steps.min(m - first);
+    let most = tuning.depth;
+    let steps = if m <= most { m.max(1) } else { m.div_ceil(m.div_ceil(most)) };
+    // A range with a step would be divided by it.
+    let mut first = 0;
+    while first < m.max(1) {
+        let end = m.min(first + steps);
         let mut col = 0;
         while col < cols {
             let cols = col..cols.min(col + wide);
             let product = InPlace {
-                steps,
+                steps: end - first,
                 left: left.in_place(first, width),
-                right: right(first, Area { rows: first..first + steps, cols: cols.clone() }),
+                right: right(first, Area { rows: first..end, cols: cols.clone() }),
                 rows: 0..rows,
                 cols,
                 sums: sums.0.as_mut_ptr().cast(),
                 kept: false,
                 add: false,
-                targets: &targets,
+                targets: std::slice::from_ref(target),
                 last: true,
             };
             // SAFETY: the sources have these rows, the sums hold a tile; the caller promises that
@@ -140,7 +145,8 @@ unsafe fn multiply_in_place<T: Real>(
             unsafe { kernel.multiply_in_place(&product) };
             col += wide;
         }
-        targets = [targets[0].accumulating()];
+        target.beta = T::ONE;
+        first += steps;
     }
 }
 
@@ -155,22 +161,23 @@ unsafe fn multiply_panels<T: Real>(
     kernel: &dyn Kernel<T>,
     left: Source<'_, T>,
     right: Source<'_, T>,
-    target: Target<T>,
+    target: &mut Target<T>,
     shape: Shape,
 ) {
-    let width = kernel.geometry().width;
-    debug_assert!(DEPTH * width * size_of::<T>() <= PANEL);
+    let geometry = kernel.geometry();
+    let width = geometry.width;
+    debug_assert!(DEEPEST * width * size_of::<T>() <= PANEL);
     let mut memory = Aligned::<[u8; PANEL]>(MaybeUninit::uninit());
     let packed = memory.0.as_mut_ptr().cast::<T>();
     let side = |_, area: Area| {
-        // SAFETY: a panel of at most DEPTH rows fits the memory, which is aligned.
+        // SAFETY: a panel of at most DEEPEST rows fits the memory, which is aligned.
         unsafe { kernel.pack(&[right], &area, Panels::new(packed, 0)) };
         // Where column 0 would be.
         let start = packed.wrapping_sub(area.cols.start).cast_const();
         Side { start, row_stride: width as isize, panel_stride: width }
     };
     // SAFETY: the caller's promise.
-    unsafe { multiply_in_place(kernel, left, target, shape, width, side) };
+    unsafe { multiply_in_place(kernel, geometry, left, target, shape, width, side) };
 }
 
 /// Computes a product of matrices that are packed on the stack. Not inlined, so that other products
@@ -183,10 +190,10 @@ unsafe fn multiply_packed<T: Real>(
     kernel: &dyn Kernel<T>,
     left: Source<'_, T>,
     right: Source<'_, T>,
-    target: Target<T>,
+    target: &mut Target<T>,
     shape: Shape,
 ) {
-    let Geometry { rows: height, width, .. } = kernel.geometry();
+    let Geometry { rows: height, width, tuning, .. } = kernel.geometry();
     let Shape { depth: m, rows, cols, same } = shape;
     let mut memory = Aligned::<[T; PACKED]>(MaybeUninit::uninit());
     let packed = memory.0.as_mut_ptr().cast::<T>();
@@ -194,9 +201,8 @@ unsafe fn multiply_packed<T: Real>(
     // Rows that fit the memory. A product without rows is small whatever its columns, so that not
     // even one row may fit.
     let columns = Blocking::packed_columns(kernel.geometry(), shape);
-    let most = (PACKED / columns.max(1)).clamp(1, DEPTH);
+    let most = (PACKED / columns.max(1)).clamp(1, tuning.depth);
     let steps = m.div_ceil(m.div_ceil(most).max(1)).max(1);
-    let mut targets = [target];
     for first in (0..m.max(1)).step_by(steps) {
         let steps = steps.min(m - first);
         let panel_stride = steps * width;
@@ -230,13 +236,13 @@ unsafe fn multiply_packed<T: Real>(
                 sums: sums.0.as_mut_ptr().cast(),
                 kept: false,
                 add: false,
-                targets: &targets,
+                targets: std::slice::from_ref(target),
                 corner,
             };
             // SAFETY: whole panels have been written, the sums hold a tile; the caller promises
             // that nobody else uses the target.
             unsafe { kernel.multiply_row(&row) };
         }
-        targets = [targets[0].accumulating()];
+        target.beta = T::ONE;
     }
 }

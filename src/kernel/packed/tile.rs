@@ -91,6 +91,7 @@ pub(super) unsafe fn multiply_row<V: Vectors, const ROWS: usize, const COUNT: us
                 left_stride: V::WIDTH as isize,
                 right: row.right.start.add(j * row.right.panel_stride + first * V::LANES),
                 right_stride: V::WIDTH as isize,
+                shift: 0,
                 sums: sums.add(first * V::LANES),
                 add: row.add,
             };
@@ -139,6 +140,9 @@ pub(super) struct Tile<T> {
     pub left_stride: isize,
     pub right: *const T,
     pub right_stride: isize,
+    /// Scalars by which the last of several vectors of a row begins earlier, to end with the
+    /// columns: its first sums are also those of the vector before.
+    pub shift: usize,
     /// ROWS x WIDTH, row by row.
     pub sums: *mut T,
     /// Whether the sums hold the result of earlier steps, to be added to.
@@ -147,9 +151,6 @@ pub(super) struct Tile<T> {
 
 /// Steps from one prefetch of [`Ahead`] to the next.
 const PACE: usize = 4;
-
-/// Distance of prefetches from operands, in steps.
-const AHEAD: isize = 16;
 
 /// Memory that is prefetched while a tile is computed: the entries of targets, and from `left` and
 /// `right` on, a row and a cache line at a time.
@@ -211,11 +212,18 @@ impl<T: Real> Tile<T> {
                 }
                 rest %= PACE;
             }
-            for _ in 0..rest {
-                for j in 0..N {
-                    let right = self.right.wrapping_offset(AHEAD * self.right_stride);
-                    V::prefetch(right.wrapping_add(j * V::LANES));
+            // Of few rows all prefetches would be beyond the end.
+            let fetched = if self.steps > V::TUNING.ahead { rest } else { 0 };
+            for _ in 0..fetched {
+                let right =
+                    self.right.wrapping_offset(V::TUNING.ahead as isize * self.right_stride);
+                for i in 0..(N * V::LANES).div_ceil(const { line_len::<T>() }) {
+                    V::prefetch(right.wrapping_add(i * const { line_len::<T>() }));
                 }
+                V::prefetch(self.left.wrapping_offset(V::TUNING.ahead as isize * self.left_stride));
+                self.step::<V, ROWS, N, MASKED>(tail, &mut tile);
+            }
+            for _ in fetched..rest {
                 self.step::<V, ROWS, N, MASKED>(tail, &mut tile);
             }
             self.complete::<V, ROWS, N>(tile)
@@ -235,11 +243,12 @@ impl<T: Real> Tile<T> {
         V: Vectors<Scalar = T>,
     {
         let line = const { line_len::<T>() };
-        let ahead = self.right.wrapping_add(AHEAD as usize * V::WIDTH);
+        let ahead = self.right.wrapping_add(V::TUNING.ahead * V::WIDTH);
         for k in 0..PACE {
             for i in (k * V::WIDTH).div_ceil(line)..((k + 1) * V::WIDTH).div_ceil(line) {
                 V::prefetch(ahead.wrapping_add(i * line));
             }
+            V::prefetch(self.left.wrapping_offset(V::TUNING.ahead as isize * self.left_stride));
             // SAFETY: the caller's promise.
             unsafe { self.step::<V, ROWS, N, MASKED>(tail, tile) };
         }
@@ -261,14 +270,19 @@ impl<T: Real> Tile<T> {
         unsafe {
             let mut r = [V::splat(T::ZERO); N];
             for j in 0..N {
-                let at = self.right.add(j * V::LANES);
+                let at = self.right.add(self.column::<V, N>(j));
                 r[j] = if MASKED && j + 1 == N { V::load_masked(at, tail) } else { V::load(at) };
             }
-            V::prefetch(self.left.wrapping_offset(AHEAD * self.left_stride));
             V::add_products(self.left, r, tile);
             self.left = self.left.wrapping_offset(self.left_stride);
             self.right = self.right.wrapping_offset(self.right_stride);
         }
+    }
+
+    /// Returns the first column of vector `j` of N.
+    #[inline(always)]
+    fn column<V: Vectors, const N: usize>(&self, j: usize) -> usize {
+        j * V::LANES - if j + 1 == N { self.shift } else { 0 }
     }
 
     /// Adds the sums of earlier steps to the tile, if `self.add`. The tile began at zero, so that
@@ -289,7 +303,8 @@ impl<T: Real> Tile<T> {
                 for j in 0..N {
                     // SAFETY: the caller's promise.
                     unsafe {
-                        let earlier = V::load(self.sums.add(i * V::WIDTH + j * V::LANES));
+                        let at = i * V::WIDTH + self.column::<V, N>(j);
+                        let earlier = V::load(self.sums.add(at));
                         tile[i][j] = V::add(earlier, tile[i][j]);
                     }
                 }
@@ -309,8 +324,9 @@ impl<T: Real> Tile<T> {
     {
         for i in 0..ROWS {
             for j in 0..N {
+                let at = i * V::WIDTH + self.column::<V, N>(j);
                 // SAFETY: the caller's promise.
-                unsafe { V::store(self.sums.add(i * V::WIDTH + j * V::LANES), tile[i][j]) };
+                unsafe { V::store(self.sums.add(at), tile[i][j]) };
             }
         }
     }

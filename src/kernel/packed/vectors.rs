@@ -1,5 +1,6 @@
 //! The operations on vectors that the algorithm is written in.
 
+use super::tuning::Tuning;
 use crate::base::Real;
 
 /// Vectors of one instruction set, and the tiles that suit its registers.
@@ -17,6 +18,8 @@ pub(super) trait Vectors {
     /// Whether masks have registers of their own: masked loads and stores then cost about as much
     /// as plain ones.
     const MASK_REGISTERS: bool;
+    /// The constants of the loops around tiles.
+    const TUNING: Tuning;
     /// Number of columns of a tile, and of a panel.
     const WIDTH: usize = Self::LANES * Self::COUNT;
 

@@ -72,6 +72,13 @@ unsafe fn write_wanted<V: Vectors>(
                 if wanted.start <= at && at + V::LANES <= wanted.end {
                     let sum = if reads { V::add(V::mul(beta, V::load(to)), sum) } else { sum };
                     V::store(to, sum);
+                } else if !V::MASK_REGISTERS {
+                    // Without registers for masks, masked stores are slow on CPUs of AMD.
+                    for j in wanted.start.max(at)..wanted.end.min(at + V::LANES) {
+                        let sum = target.coefficient * *sums.add(j);
+                        let to = start.wrapping_add(j);
+                        *to = if reads { target.beta * *to + sum } else { sum };
+                    }
                 } else {
                     let mask = V::mask(columns.bits_of_row(i) >> at);
                     let sum = match reads {

@@ -3,6 +3,7 @@
 use std::arch::x86_64::*;
 
 use super::kernel::instantiate;
+use super::tuning::{self, Tuning};
 use super::vectors::Vectors;
 use crate::base::IsaLevel;
 
@@ -10,7 +11,7 @@ use crate::base::IsaLevel;
 macro_rules! vectors {
     (
         $name:ident, $t:ident, $v:ident, $lanes:expr, rows: $rows:expr,
-        mask_registers: $mask_registers:expr,
+        mask_registers: $mask_registers:expr, $tuning:expr,
         $splat:ident, $load:ident, $store:ident, $stream:ident,
         $m:ident, $mask:ident, $load_masked:ident, $store_masked:ident,
         $fma:ident, $($pairwise:ident: $function:ident),*
@@ -25,6 +26,7 @@ macro_rules! vectors {
             const ROWS: usize = $rows;
             const COUNT: usize = 3;
             const MASK_REGISTERS: bool = $mask_registers;
+            const TUNING: Tuning = $tuning;
 
             #[inline(always)]
             unsafe fn splat(x: $t) -> $v {
@@ -131,14 +133,14 @@ unsafe fn load_f32x16(from: *const f32, mask: __mmask16) -> __m512 {
 
 // 8 x 3 sums, 3 vectors of the right panel and 1 of the left: 28 of 32 registers.
 vectors!(
-    Avx512F64, f64, __m512d, 8, rows: 8, mask_registers: true,
+    Avx512F64, f64, __m512d, 8, rows: 8, mask_registers: true, tuning::AVX512,
     _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd, _mm512_stream_pd,
     __mmask8, mask_8_bits, load_f64x8, _mm512_mask_storeu_pd,
     _mm512_fmadd_pd, add: _mm512_add_pd, mul: _mm512_mul_pd, div: _mm512_div_pd, min: _mm512_min_pd,
     max: _mm512_max_pd
 );
 vectors!(
-    Avx512F32, f32, __m512, 16, rows: 8, mask_registers: true,
+    Avx512F32, f32, __m512, 16, rows: 8, mask_registers: true, tuning::AVX512,
     _mm512_set1_ps, _mm512_loadu_ps, _mm512_storeu_ps, _mm512_stream_ps,
     __mmask16, mask_16_bits, load_f32x16, _mm512_mask_storeu_ps,
     _mm512_fmadd_ps, add: _mm512_add_ps, mul: _mm512_mul_ps, div: _mm512_div_ps, min: _mm512_min_ps,
@@ -147,14 +149,14 @@ vectors!(
 // 4 x 3 sums, 3 vectors of the right panel and 1 of the left: all 16 registers. Panels are not
 // written past the caches, since their rows end within cache lines.
 vectors!(
-    Avx2F64, f64, __m256d, 4, rows: 4, mask_registers: false,
+    Avx2F64, f64, __m256d, 4, rows: 4, mask_registers: false, tuning::AVX2,
     _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd, _mm256_storeu_pd,
     __m256i, mask_4_lanes, _mm256_maskload_pd, _mm256_maskstore_pd,
     _mm256_fmadd_pd, add: _mm256_add_pd, mul: _mm256_mul_pd, div: _mm256_div_pd, min: _mm256_min_pd,
     max: _mm256_max_pd
 );
 vectors!(
-    Avx2F32, f32, __m256, 8, rows: 4, mask_registers: false,
+    Avx2F32, f32, __m256, 8, rows: 4, mask_registers: false, tuning::AVX2,
     _mm256_set1_ps, _mm256_loadu_ps, _mm256_storeu_ps, _mm256_storeu_ps,
     __m256i, mask_8_lanes, _mm256_maskload_ps, _mm256_maskstore_ps,
     _mm256_fmadd_ps, add: _mm256_add_ps, mul: _mm256_mul_ps, div: _mm256_div_ps, min: _mm256_min_ps,

@@ -12,7 +12,7 @@ use super::exact;
 use super::options::AtaOptions;
 use super::plan::{Exact, Op, Plan, Strategy};
 use crate::base::{Par, Result};
-use crate::blas::BlasReal;
+use crate::blas::{BlasReal, Kernels, Native};
 
 /// Returns the elements of scratch that [`execute`] needs.
 pub(crate) fn scratch_len<T: BlasReal>(plan: &Plan, par: Par) -> usize {
@@ -49,7 +49,9 @@ pub(crate) fn execute<T: BlasReal>(
         options,
         #[inline(always)]
         |product| match &plan.strategy {
-            Strategy::Direct(_) => direct(plan.problem.op, product, options),
+            Strategy::Direct(_) => {
+                direct(T::kernels(options.backend.as_ref()), plan.problem.op, product, options)
+            }
             Strategy::Fused(it) => {
                 options.on_cores(|| fused::execute(it, &plan.problem, product, options, scratch))
             }
@@ -61,9 +63,11 @@ pub(crate) fn execute<T: BlasReal>(
     )
 }
 
-/// Computes a product whose plan would be [`Strategy::Direct`], without making the plan.
-#[inline]
+/// Computes a product whose plan would be [`Strategy::Direct`], without making the plan, on our own
+/// kernels.
+#[inline(always)]
 pub(crate) fn execute_direct<T: BlasReal>(
+    native: &Native,
     op: Op,
     product: Product<'_, T>,
     options: &AtaOptions<'_>,
@@ -72,7 +76,7 @@ pub(crate) fn execute_direct<T: BlasReal>(
         product,
         options,
         #[inline(always)]
-        |product| direct(op, product, options),
+        |product| direct(native, op, product, options),
     )
 }
 
@@ -112,8 +116,12 @@ fn exactly<T: BlasReal>(
 
 /// Computes one product on the calling thread.
 #[inline(always)]
-fn direct<T: BlasReal>(op: Op, product: Product<'_, T>, options: &AtaOptions<'_>) -> Result<()> {
-    let kernels = T::kernels(options.backend.as_ref());
+fn direct<T: BlasReal>(
+    kernels: &dyn Kernels<T>,
+    op: Op,
+    product: Product<'_, T>,
+    options: &AtaOptions<'_>,
+) -> Result<()> {
     let right = product.b.unwrap_or(product.a);
     let Product { alpha, a, beta, c, .. } = product;
     match op {

@@ -67,8 +67,8 @@ fn rates_of_the_kernels() {
     }
 }
 
-/// Returns the multiplications per second on registers alone; `None` for AVX2 and the portable
-/// kernel. The caller holds a session.
+/// Returns the multiplications per second on registers alone; `None` for kernels without
+/// AVX-512. The caller holds a session.
 fn registers(isa: IntegerIsa) -> Option<f64> {
     const ROUNDS: usize = 1 << 17;
     match isa {
