@@ -465,6 +465,22 @@ module catamaran
       integer(c_size_t), value :: ldc
       type(cata_ata_params), intent(in), optional :: params
     end function cata_ata_sparse_f32
+    function cata_ata_plan_f64(m, n, params, size, text) bind(C) result(returned)
+      import
+      integer(c_int32_t) :: returned
+      integer(c_size_t), value :: m, n
+      type(cata_ata_params), intent(in), optional :: params
+      integer(c_size_t), value :: size
+      character(kind=c_char), intent(inout) :: text(*)
+    end function cata_ata_plan_f64
+    function cata_ata_plan_f32(m, n, params, size, text) bind(C) result(returned)
+      import
+      integer(c_int32_t) :: returned
+      integer(c_size_t), value :: m, n
+      type(cata_ata_params), intent(in), optional :: params
+      integer(c_size_t), value :: size
+      character(kind=c_char), intent(inout) :: text(*)
+    end function cata_ata_plan_f32
     function cata_atb_f64(layout, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc, &
         params) bind(C) result(returned)
       import
@@ -917,6 +933,23 @@ module catamaran
       type(c_ptr), value :: user
       type(cata_eigs_params), intent(in), optional :: params
     end function cata_eigs_sliced
+    function cata_eigs_two_level(n, row_starts, columns, entries, masses, coarse, p_row_starts, &
+        p_columns, p_entries, k, eigenvalues, eigenvectors, ldv, residuals, &
+        params) bind(C) result(returned)
+      import
+      integer(c_int32_t) :: returned
+      integer(c_size_t), value :: n
+      integer(c_size_t), intent(in), optional :: row_starts(*), columns(*)
+      real(c_double), intent(in), optional :: entries(*), masses(*)
+      integer(c_size_t), value :: coarse
+      integer(c_size_t), intent(in), optional :: p_row_starts(*), p_columns(*)
+      real(c_double), intent(in), optional :: p_entries(*)
+      integer(c_size_t), value :: k
+      real(c_double), intent(inout), optional :: eigenvalues(*), eigenvectors(*)
+      integer(c_size_t), value :: ldv
+      real(c_double), intent(inout), optional :: residuals(*)
+      type(cata_eigs_params), intent(in), optional :: params
+    end function cata_eigs_two_level
     function cata_eigs_count(n, row_starts, columns, entries, masses, value, count, &
         params) bind(C) result(returned)
       import

@@ -355,6 +355,17 @@ cata_status cata_ata_sparse_f32(int32_t layout, int32_t uplo, size_t m, size_t n
     const size_t *row_starts, const size_t *columns, const float *entries, const double *weights,
     float beta, float *c, size_t ldc, const cata_ata_params *params);
 
+/** Describes how cata_ata_f64 computes A^T A for the same m, n and params: the recursion, its tasks
+ * and scratch, and the expected seconds on one core.
+ *
+ * `size`, `text`: so many elements, written: lines of text, cut to fit, with a NUL; 2048 is enough. */
+cata_status cata_ata_plan_f64(size_t m, size_t n, const cata_ata_params *params, size_t size,
+    char *text);
+
+/** Describes cata_ata_f32 as cata_ata_plan_f64 does. */
+cata_status cata_ata_plan_f32(size_t m, size_t n, const cata_ata_params *params, size_t size,
+    char *text);
+
 /** Computes C := alpha A^T B + beta C, for A m x n, B m x k and C n x k. A and B may overlap. The
  * rest as in cata_ata_f64, with NaN and infinities of columns of A and of B. */
 cata_status cata_atb_f64(int32_t layout, size_t m, size_t n, size_t k, double alpha,
@@ -873,9 +884,9 @@ typedef struct cata_table_params {
 /** Fills a struct with the defaults. */
 cata_status cata_table_params_init(cata_table_params *params, size_t struct_size);
 
-/** Reads the matrix in a file, whose `path` is in UTF-8: a text table (also as .gz or .xz), .npy,
- * an array of .npz (`FILE.npz:NAME`), or .mtx without coordinates. A column of words is left out
- * unless it is a factor. Errors name the file, the line and the column. */
+/** Reads the matrix in a file, whose `path` is in UTF-8: a text table or .npy, each also packed
+ * (.gz, .xz, .zip), an array of .npz (`FILE.npz:NAME`), or .mtx without coordinates. A column of
+ * words is left out unless it is a factor. Errors name the file, the line and the column. */
 cata_status cata_table_read(const char *path, const cata_table_params *params, cata_table **table);
 
 /** Gets the number of rows, the number of columns, and the number of rows that were left out
@@ -1075,6 +1086,18 @@ cata_status cata_eigs_sliced(size_t n, const size_t *row_starts, const size_t *c
     const double *entries, const double *masses, size_t k, size_t memory, cata_eigs_slice slice,
     void *user, const cata_eigs_params *params);
 
+/** Computes the k smallest eigenpairs as those of cata_eigs, approximately, from those of a smaller
+ * problem, P^T W P and P^T M P, which are smoothed. Eigenvalues are never too small; `residuals`
+ * bound how far they are too large, widely. cata_decimation_eigs does this for meshes.
+ * - `coarse`: columns of P, at least k.
+ * - `p_row_starts`, `p_columns`, `p_entries`: P, n x coarse, by rows as W: the vectors of the
+ *   problem that those of the smaller one stand for.
+ * - `params`: `has_shift` and `verify_count` must be 0, and `tolerance` is not used. */
+cata_status cata_eigs_two_level(size_t n, const size_t *row_starts, const size_t *columns,
+    const double *entries, const double *masses, size_t coarse, const size_t *p_row_starts,
+    const size_t *p_columns, const double *p_entries, size_t k, double *eigenvalues,
+    double *eigenvectors, size_t ldv, double *residuals, const cata_eigs_params *params);
+
 /** Counts the eigenvalues below `value`, which may not be one, by a factorization: so many k give
  * cata_eigs all of them. In an interval there are as many as the difference of two counts, and
  * these are nearest to its middle as `shift`.
@@ -1137,7 +1160,8 @@ cata_status cata_ortho_cholesky_qr(int32_t layout, size_t n, size_t c, double *a
 /**
  * @defgroup mesh_files Mesh files
  * Meshes with texture coordinates, normals, colours and names, from and to files (.obj, .ply,
- * .off, .stl, .glb and .gltf, also packed: .gz) and their bytes in memory.
+ * .off, .stl, .glb, .gltf, .vtk, .gii and .3mf, also packed: .gz) and their bytes in memory; also
+ * from .vtp, .vtu, .msh and surfaces of FreeSurfer.
  * @code{.c}
  * const char text[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
  * cata_mesh_file *file;
@@ -1159,6 +1183,13 @@ cata_status cata_ortho_cholesky_qr(int32_t layout, size_t n, size_t c, double *a
 #define CATA_MESH_STL_TEXT 6 /**< `format`: STL as text. */
 #define CATA_MESH_GLB 7 /**< `format`: glTF, binary: coordinates are rounded to float. */
 #define CATA_MESH_GLTF 8 /**< `format`: glTF as text: coordinates are rounded to float. */
+#define CATA_MESH_VTK 9 /**< `format`: legacy VTK, binary. */
+#define CATA_MESH_VTK_TEXT 10 /**< `format`: legacy VTK as text. */
+#define CATA_MESH_GIFTI 11 /**< `format`: GIFTI: coordinates are rounded to float. */
+#define CATA_MESH_3MF 12 /**< `format`: 3MF, in millimetres. */
+#define CATA_MESH_VTK_XML 13 /**< `format`: XML files of VTK, only read. */
+#define CATA_MESH_FREESURFER 14 /**< `format`: surfaces of FreeSurfer, only read. */
+#define CATA_MESH_GMSH 15 /**< `format`: Gmsh, only read. */
 
 /** The bytes of a file. Made by cata_mesh_file_write_bytes; constant. */
 typedef struct cata_mesh_bytes cata_mesh_bytes;
@@ -1461,6 +1492,135 @@ cata_status cata_mesh_part_eigenvalues(size_t n_vertices, const double *vertices
 
 /** @} */
 
+/* ==== Surfaces ============================================================================== */
+/**
+ * @defgroup surfaces Surfaces
+ * Topology, measures and comparison of triangle meshes; meshes of lattices, and generated ones.
+ * @code{.c}
+ * double v[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, area; // a square
+ * uint32_t f[] = {0, 1, 2, 0, 2, 3};
+ * size_t edges, genus;
+ * cata_mesh_edges(4, v, 2, f, 0, NULL, NULL, &edges);
+ * cata_mesh_genus(4, v, 2, f, &genus, NULL);
+ * cata_mesh_measures(4, v, 2, f, &area, NULL, NULL, NULL, NULL, NULL);
+ * printf("%zu edges, genus %zu, area %g\n", edges, genus, area); // 5 edges, genus 0, area 1
+ * @endcode
+ * @{
+ */
+
+/** Finds the edges of a mesh, ascending.
+ * - `room`: the number of edges that `edges` and `face_counts` have room for; CATA_ERR_SHAPE where
+ *   there are more. 3 n_faces is always enough.
+ * - `edges`: 2 vertices for each edge, the lower first, written. NULL where not wanted.
+ * - `face_counts`: for each edge the number of its faces, written: 1 at the boundary, more than 2
+ *   where the mesh is no manifold. NULL where not wanted.
+ * - `count`: written: the number of edges. */
+cata_status cata_mesh_edges(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, size_t room, uint32_t *edges, uint32_t *face_counts, size_t *count);
+
+/** Finds the connected components of a mesh, numbered from 0 by their lowest vertex: two faces with
+ * a common vertex are in the same one.
+ * - `of_vertices`: n_vertices elements, written: the component of each vertex, UINT32_MAX for those
+ *   that no face has. NULL where not wanted.
+ * - `of_faces`: n_faces elements, written. NULL where not wanted.
+ * - `count`: written: the number of components. */
+cata_status cata_mesh_components(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, uint32_t *of_vertices, uint32_t *of_faces, size_t *count);
+
+/** Computes the genus of a manifold with its boundary loops closed by disks, summed over its
+ * components: the number of handles. CATA_ERR_MESH where the mesh is no manifold.
+ * - `orientable`: written: 1, or 0 where a component is not orientable: then `genus` is the number
+ *   of cross-caps, where a handle counts as two. NULL where not wanted. */
+cata_status cata_mesh_genus(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, size_t *genus, int32_t *orientable);
+
+/** Finds the boundary loops of a mesh, with the mesh on their left where it is oriented.
+ * CATA_ERR_MESH where there is a boundary and an edge of more than two faces.
+ * - `room`: the number of vertices that `loops` has room for, and of loops that `lengths` has;
+ *   CATA_ERR_SHAPE where there are more.
+ * - `loops`: the vertices of each loop in order, one loop after the other, written. NULL where not
+ *   wanted.
+ * - `lengths`: the number of vertices of each loop, written. NULL where not wanted.
+ * - `total`: written: the number of vertices of all loops, which is that of boundary edges.
+ * - `count`: written: the number of loops. */
+cata_status cata_mesh_boundary_loops(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, size_t room, uint32_t *loops, size_t *lengths, size_t *total,
+    size_t *count);
+
+/** How meshes are compared, or made of a lattice. */
+typedef struct cata_mesh_params {
+    size_t struct_size; /**< sizeof(cata_mesh_params). */
+    size_t threads; /**< Threads, at most; 0: all. */
+    cata_progress progress; /**< Progress callback; NULL: none. */
+    void *progress_user; /**< Passed to `progress`. */
+} cata_mesh_params;
+/** Fills a struct with the defaults. */
+cata_status cata_mesh_params_init(cata_mesh_params *params, size_t struct_size);
+
+/** Measures a mesh; NULL where not wanted.
+ * - `area`, `volume`: written; the volume is negative where faces are seen clockwise from outside,
+ *   and that of the cones over the faces with tip at vertex 0 where the mesh is not closed.
+ * - `face_areas`, `qualities`: n_faces elements each, written. The quality of a face is 2 sqrt(3)
+ *   area / (half the perimeter x the longest edge): 1 for equilateral triangles, 0 for flat ones.
+ * - `face_normals`: 3 for each face, written: of length 1, or 0 for faces without area.
+ * - `vertex_normals`: 3 for each vertex, written: the means over the faces there, by area. */
+cata_status cata_mesh_measures(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, double *area, double *volume, double *face_areas, double *qualities,
+    double *face_normals, double *vertex_normals);
+
+/** Measures how uniform a mesh is, such as one that was decimated; NULL where not wanted.
+ * - `mean_area`: of the faces; `area_variation`: the standard deviation of their areas over it.
+ * - `mean_quality`, `quality_deviation`, `least_quality`: of the qualities of the faces, as
+ *   cata_mesh_measures has them, with their standard deviation.
+ * - `mean_valence`: edges at a vertex with a face, in the mean; `regular_vertices`: the share of
+ *   these vertices that have 6, or 4 at the boundary.
+ * - `non_manifold_edges`: the number of edges with more than two faces. */
+cata_status cata_mesh_quality(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, double *mean_area, double *area_variation, double *mean_quality,
+    double *quality_deviation, double *least_quality, double *mean_valence,
+    double *regular_vertices, size_t *non_manifold_edges);
+
+/** Compares two meshes; NULL where not wanted.
+ * - `out`, `back`: 3 numbers each, written: from the mesh to the other one, and back: the largest
+ *   distance, of vertices and of 100,000 points spread by area, from the other surface; the mean
+ *   distance of these points; and the mean angle between the normals there, in degrees.
+ * - `hausdorff`: written: the largest distance of a vertex of either mesh from the other surface.
+ * - `chamfer`: written: the mean square of the distances of the vertices of one mesh from the other
+ *   surface, plus the same in the other direction. */
+cata_status cata_mesh_compare(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, size_t other_n_vertices, const double *other_vertices,
+    size_t other_n_faces, const uint32_t *other_faces, double *out, double *back, double *hausdorff,
+    double *chamfer, const cata_mesh_params *params);
+
+/** Makes the surface of the region where values, interpolated between the points of a lattice,
+ * exceed `level`: a manifold without attributes.
+ * - `counts`, `origin`, `step`: 3 elements each, of x, y and z: the number of points, the place of
+ *   the first one, and the distance from one to the next, positive.
+ * - `values`: one for each point, x first, then y, then z; none is NaN.
+ * - `open`: 0: the region ends half a step outside of the outermost points, and the surface is
+ *   closed. 1: the surface is cut at these points.
+ * - `file`: one pointer, written. */
+cata_status cata_mesh_isosurface(const size_t *counts, const double *origin, const double *step,
+    const float *values, float level, int32_t open, const cata_mesh_params *params,
+    cata_mesh_file **file);
+
+/** Makes the surface of the points of a lattice that have a label, as cata_mesh_isosurface does of
+ * values, halfway between points with the label and others: `labels`, one for each point. */
+cata_status cata_mesh_label_surface(const size_t *counts, const double *origin, const double *step,
+    const uint16_t *labels, uint16_t label, int32_t open, const cata_mesh_params *params,
+    cata_mesh_file **file);
+
+/** Generates a mesh by its name, with these counts and sizes:
+ * - "icosphere": subdivisions; "figure": cells, and the pose as a size;
+ * - "torus": vertices around the axis and the tube, and the two radii; "knot": p, q, vertices
+ *   along and around, and a radius; "genus": holes and cells;
+ * - "grid": columns and rows; "disk": rings and sectors; "cylinder": vertices around and along,
+ *   and its radius and height; "terrain": columns, rows and a seed. */
+cata_status cata_mesh_generated(const char *name, size_t n_counts, const size_t *counts,
+    size_t n_sizes, const double *sizes, cata_mesh_file **file);
+
+/** @} */
+
 /* ==== Laplacians ============================================================================ */
 /**
  * @defgroup laplacians Laplacians
@@ -1729,6 +1889,16 @@ cata_status cata_decimation_carry(const cata_decimation *decimation, size_t widt
  * of a face near it, 0 at vertices without a face. */
 cata_status cata_decimation_prolong(const cata_decimation *decimation, size_t width,
     const double *values, double *prolonged);
+
+/** Computes the k smallest eigenpairs of the Laplacian of the input, approximately, from those of
+ * the result, as cata_eigs_two_level does. Eigenvalues are about 0.1 % too large where the
+ * triangles of the input are even, and several per cent where they are long and thin.
+ * - `k`: at most the vertices of the result.
+ * - `eigenvalues`, `eigenvectors`, `residuals`, `masses`: as those of cata_mesh_eigs.
+ * - `params`: as for cata_eigs_two_level, with CATA_BOUNDARY_NEUMANN. */
+cata_status cata_decimation_eigs(const cata_decimation *decimation, size_t k, double *eigenvalues,
+    double *eigenvectors, size_t ldv, double *residuals, double *masses,
+    const cata_eigs_params *params);
 
 /** Computes the texture of the result, from that of the input, with its seams.
  * - `uv`: 6 for each face of the input, read: u and v at its three corners.
@@ -2164,6 +2334,18 @@ cata_status cata_map_zoomout(const cata_basis *source, const cata_basis *target,
  * written: for each vertex of the target that of the source whose image is nearest. */
 cata_status cata_map_points(const cata_basis *source, const cata_basis *target, int32_t layout,
     const double *c, size_t ldc, uint32_t *points, const cata_basis_params *params);
+
+/** Computes the map O of products of eigenfunctions, r_target x r_source, that a map C of the
+ * eigenfunctions implies, since T(f g) = T(f) T(g) (thesis, section 1.3.3). The matrix of all
+ * products is not in memory. C must be nearly exact; from points, cata_map_from_points of the
+ * products is more accurate.
+ * - `source_eigen`, `target_eigen`: of cata_basis_new, the constants among them; `c`: between them.
+ * - `source`, `target`: of cata_basis_products of these, with the same order; `o`: written.
+ * - `of_all`: 0: column by column, of the products that are kept (equation 1.18). 1: the least
+ *   squares over all products (equation 1.16). */
+cata_status cata_map_of_products(const cata_basis *source_eigen, const cata_basis *target_eigen,
+    const cata_basis *source, const cata_basis *target, int32_t layout, const double *c, size_t ldc,
+    int32_t of_all, double *o, size_t ldo, const cata_basis_params *params);
 
 /** Computes the map C (r_target x r_source, written) between any bases along points (read). */
 cata_status cata_map_from_points(const cata_basis *source, const cata_basis *target,

@@ -54,6 +54,8 @@ macro_rules! absent {
 absent! { "chapters":
     fn cata_ata_sparse_f64(layout: i32, uplo: i32, m: usize, n: usize, alpha: f64, row_starts: *const usize, columns: *const usize, entries: *const f64, weights: *const f64, beta: f64, c: *mut f64, ldc: usize, params: *const cata_ata_params) -> cata_status;
     fn cata_ata_sparse_f32(layout: i32, uplo: i32, m: usize, n: usize, alpha: f32, row_starts: *const usize, columns: *const usize, entries: *const f32, weights: *const f64, beta: f32, c: *mut f32, ldc: usize, params: *const cata_ata_params) -> cata_status;
+    fn cata_ata_plan_f64(m: usize, n: usize, params: *const cata_ata_params, size: usize, text: *mut c_char) -> cata_status;
+    fn cata_ata_plan_f32(m: usize, n: usize, params: *const cata_ata_params, size: usize, text: *mut c_char) -> cata_status;
     fn cata_lstsq_params_init(params: *mut c_void, struct_size: usize) -> cata_status;
     fn cata_lstsq(layout: i32, m: usize, n: usize, k: usize, a: *const f64, lda: usize, b: *const f64, ldb: usize, weights: *const f64, x: *mut f64, ldx: usize, result: *mut c_void, params: *const c_void) -> cata_status;
     fn cata_pca_params_init(params: *mut c_void, struct_size: usize) -> cata_status;
@@ -98,6 +100,7 @@ absent! { "chapters":
     fn cata_eigs_params_init(params: *mut c_void, struct_size: usize) -> cata_status;
     fn cata_eigs(n: usize, row_starts: *const usize, columns: *const usize, entries: *const f64, masses: *const f64, k: usize, eigenvalues: *mut f64, eigenvectors: *mut f64, ldv: usize, residuals: *mut f64, params: *const c_void) -> cata_status;
     fn cata_eigs_sliced(n: usize, row_starts: *const usize, columns: *const usize, entries: *const f64, masses: *const f64, k: usize, memory: usize, slice: c_void, user: *mut c_void, params: *const c_void) -> cata_status;
+    fn cata_eigs_two_level(n: usize, row_starts: *const usize, columns: *const usize, entries: *const f64, masses: *const f64, coarse: usize, p_row_starts: *const usize, p_columns: *const usize, p_entries: *const f64, k: usize, eigenvalues: *mut f64, eigenvectors: *mut f64, ldv: usize, residuals: *mut f64, params: *const c_void) -> cata_status;
     fn cata_eigs_count(n: usize, row_starts: *const usize, columns: *const usize, entries: *const f64, masses: *const f64, value: f64, count: *mut usize, params: *const c_void) -> cata_status;
     fn cata_ortho_params_init(params: *mut c_void, struct_size: usize) -> cata_status;
     fn cata_ortho_gram_schmidt(layout: i32, n: usize, c: usize, a: *mut f64, lda: usize, masses: *const f64, r: *mut f64, ldr: usize, kept: *mut usize, rank: *mut usize, params: *const c_void) -> cata_status;
@@ -140,6 +143,17 @@ absent! { "chapters":
     fn cata_mesh_eigs(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, k: usize, eigenvalues: *mut f64, eigenvectors: *mut f64, ldv: usize, residuals: *mut f64, masses: *mut f64, params: *const c_void) -> cata_status;
     fn cata_mesh_eigs_sliced(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, k: usize, memory: usize, slice: c_void, user: *mut c_void, params: *const c_void) -> cata_status;
     fn cata_mesh_part_eigenvalues(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, mask: *const u8, k: usize, eigenvalues: *mut f64, params: *const c_void) -> cata_status;
+    fn cata_mesh_edges(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, room: usize, edges: *mut u32, face_counts: *mut u32, count: *mut usize) -> cata_status;
+    fn cata_mesh_components(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, of_vertices: *mut u32, of_faces: *mut u32, count: *mut usize) -> cata_status;
+    fn cata_mesh_genus(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, genus: *mut usize, orientable: *mut i32) -> cata_status;
+    fn cata_mesh_boundary_loops(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, room: usize, loops: *mut u32, lengths: *mut usize, total: *mut usize, count: *mut usize) -> cata_status;
+    fn cata_mesh_params_init(params: *mut c_void, struct_size: usize) -> cata_status;
+    fn cata_mesh_measures(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, area: *mut f64, volume: *mut f64, face_areas: *mut f64, qualities: *mut f64, face_normals: *mut f64, vertex_normals: *mut f64) -> cata_status;
+    fn cata_mesh_quality(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, mean_area: *mut f64, area_variation: *mut f64, mean_quality: *mut f64, quality_deviation: *mut f64, least_quality: *mut f64, mean_valence: *mut f64, regular_vertices: *mut f64, non_manifold_edges: *mut usize) -> cata_status;
+    fn cata_mesh_compare(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, other_n_vertices: usize, other_vertices: *const f64, other_n_faces: usize, other_faces: *const u32, out: *mut f64, back: *mut f64, hausdorff: *mut f64, chamfer: *mut f64, params: *const c_void) -> cata_status;
+    fn cata_mesh_isosurface(counts: *const usize, origin: *const f64, step: *const f64, values: *const f32, level: f32, open: i32, params: *const c_void, file: *mut *mut c_void) -> cata_status;
+    fn cata_mesh_label_surface(counts: *const usize, origin: *const f64, step: *const f64, labels: *const u16, label: u16, open: i32, params: *const c_void, file: *mut *mut c_void) -> cata_status;
+    fn cata_mesh_generated(name: *const c_char, n_counts: usize, counts: *const usize, n_sizes: usize, sizes: *const f64, file: *mut *mut c_void) -> cata_status;
     fn cata_laplacian_new(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, n_held: usize, held: *const u32, params: *const c_void, laplacian: *mut *mut c_void) -> cata_status;
     fn cata_laplacian_of_points(n: usize, points: *const f64, neighbours: usize, params: *const c_void, laplacian: *mut *mut c_void) -> cata_status;
     fn cata_laplacian_free(laplacian: *mut c_void);
@@ -166,6 +180,7 @@ absent! { "chapters":
     fn cata_decimation_places(decimation: *const c_void, cells: *mut u32, distances: *mut f32, places: *mut u32, weights: *mut f64) -> cata_status;
     fn cata_decimation_carry(decimation: *const c_void, width: usize, values: *const f64, carried: *mut f64) -> cata_status;
     fn cata_decimation_prolong(decimation: *const c_void, width: usize, values: *const f64, prolonged: *mut f64) -> cata_status;
+    fn cata_decimation_eigs(decimation: *const c_void, k: usize, eigenvalues: *mut f64, eigenvectors: *mut f64, ldv: usize, residuals: *mut f64, masses: *mut f64, params: *const c_void) -> cata_status;
     fn cata_decimation_carry_uv(decimation: *const c_void, uv: *const f64, carried: *mut f64) -> cata_status;
     fn cata_decimation_farthest_points(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, n: usize, samples: *mut u32, nearest: *mut u32, distances: *mut f32, params: *const c_void) -> cata_status;
     fn cata_curve_params_init(params: *mut c_void, struct_size: usize) -> cata_status;
@@ -219,6 +234,7 @@ absent! { "chapters":
     fn cata_map_icp(source: *const c_void, target: *const c_void, iterations: usize, layout: i32, c: *mut f64, ldc: usize, points: *mut u32, params: *const c_void) -> cata_status;
     fn cata_map_zoomout(source: *const c_void, target: *const c_void, step: usize, layout: i32, rows: usize, cols: usize, c: *const f64, ldc: usize, map: *mut f64, ldmap: usize, points: *mut u32, params: *const c_void) -> cata_status;
     fn cata_map_points(source: *const c_void, target: *const c_void, layout: i32, c: *const f64, ldc: usize, points: *mut u32, params: *const c_void) -> cata_status;
+    fn cata_map_of_products(source_eigen: *const c_void, target_eigen: *const c_void, source: *const c_void, target: *const c_void, layout: i32, c: *const f64, ldc: usize, of_all: i32, o: *mut f64, ldo: usize, params: *const c_void) -> cata_status;
     fn cata_map_from_points(source: *const c_void, target: *const c_void, points: *const u32, layout: i32, c: *mut f64, ldc: usize, params: *const c_void) -> cata_status;
     fn cata_transfer(source: *const c_void, target: *const c_void, points: *const u32, layout: i32, count: usize, f: *const f64, ldf: usize, g: *mut f64, ldg: usize, params: *const c_void) -> cata_status;
     fn cata_transfer_map(source: *const c_void, target: *const c_void, layout: i32, c: *const f64, ldc: usize, count: usize, f: *const f64, ldf: usize, g: *mut f64, ldg: usize, params: *const c_void) -> cata_status;

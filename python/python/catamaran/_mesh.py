@@ -146,8 +146,9 @@ def mesh_from_bytes(data: bytes, format: MeshFormat, *, attributes: bool = False
     ----------
     data : bytes
         The content of the file.
-    format : {"obj", "ply", "off", "stl", "glb", "gltf", "vtk", "vtp", "vtu", "gii", "white", "msh", "3mf"}
-        Its format ("white" for surfaces of FreeSurfer).
+    format : str
+        Its format, by the ending of its files: "obj", "ply", "off", "stl", "glb", "gltf", "vtk",
+        "vtp", "vtu", "gii", "white" (surfaces of FreeSurfer), "msh" or "3mf".
     attributes : bool
         As in `read_mesh`, as are the results, warnings and errors.
 

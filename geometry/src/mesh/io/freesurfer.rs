@@ -103,7 +103,8 @@ fn surface(cursor: &mut Cursor<'_>) -> Checked<Dataset> {
             push(&mut triangles, corner)?;
         }
         for _ in 0..2 {
-            push(&mut ends, (3 * (ends.len() + 1)) as f64)?;
+            let count = ends.len() + 1;
+            push(&mut ends, (3 * count) as f64)?;
         }
     }
     dataset.cells(&triangles, &ends, 0, |_| Ok(cell::TRIANGLE))?;
