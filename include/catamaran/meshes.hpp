@@ -235,7 +235,7 @@ public:
             char text[longest];
             found[i].values.resize(vertices_.size());
             detail::check(cata_mesh_file_get_scalars(handle_.get(), i, sizeof text, text,
-                                                     detail::first_of(found[i].values)));
+                                                     found[i].values.data()));
             found[i].name = text;
         }
         return found;
