@@ -33,6 +33,7 @@ pub const LINES: &[&str] = &[
     "decimate sphere.ply -n 40 -o out.ply --picture p.png",
     "farthest sphere.ply -n 12 -o samples.npy --cells cells.csv --distances d.csv",
     "farthest sphere.ply -n 12 -o samples.npy --picture p.png",
+    "generate torus 12 6 2 0.5 -o out.ply",
     "info",
     "demo --small -o page",
     "spectrum sphere.ply -k 6 -o s.npz",
