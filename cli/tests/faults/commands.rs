@@ -21,6 +21,7 @@ pub const LINES: &[&str] = &[
     "ata a.npy --picture p.png",
     "ata a.npy -o c.csv.gz --scheme exact --verify",
     "ata a.csv -o c.mtx",
+    "ata a.npy --times w.npy -o c.npy --block-rows 16",
     "ata-merge a.sums a.sums -o c.npy --accumulator sums",
     "lstsq a.npy w.npy -o x.npz -o x.json --weights w.csv --intercept --block-rows 16",
     "lstsq a.csv --by-column 7,0 -o x.json",
