@@ -676,13 +676,13 @@ fn whitened_scores_of_standardized_columns_are_uncorrelated_with_variance_one() 
 #[test]
 fn correlations_of_columns_are_written_and_those_of_a_constant_are_nan() {
     let folder = Folder::new();
-    folder.write("a.csv", "1,1,5\n2,3,5\n3,2,5\n");
-    folder.succeed("pca a.csv --correlations r.npy");
+    folder.write_npy("a.npy", &[3, 3], &[1.0, 1.0, 5.0, 2.0, 3.0, 5.0, 3.0, 2.0, 5.0]);
+    folder.succeed("pca a.npy --correlations r.npy");
     let found = folder.read_npy::<f64>("r.npy", &[3, 3]);
     assert_close(&[found[0], found[1], found[3], found[4]], &[1.0, 0.5, 0.5, 1.0], 1e-15);
     assert!([2, 5, 6, 7, 8].iter().all(|&i| found[i].is_nan()), "{found:?}");
-    assert!(folder.fail("pca a.csv --correlations r.npy").contains("exists already"));
-    assert!(folder.fail("pca a.csv --correlations r.npz").contains("r.npz"));
+    assert!(folder.fail("pca a.npy --correlations r.npy").contains("exists already"));
+    assert!(folder.fail("pca a.npy --correlations r.npz").contains("r.npz"));
 }
 
 #[test]
