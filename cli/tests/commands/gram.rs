@@ -676,7 +676,7 @@ fn whitened_scores_of_standardized_columns_are_uncorrelated_with_variance_one() 
 #[test]
 fn correlations_of_columns_are_written_and_those_of_a_constant_are_nan() {
     let folder = Folder::new();
-    folder.write_npy("a.npy", &[3, 3], &[1.0, 1.0, 5.0, 2.0, 3.0, 5.0, 3.0, 2.0, 5.0]);
+    folder.write_npy("a.npy", &[3, 3], &[1.0_f64, 1.0, 5.0, 2.0, 3.0, 5.0, 3.0, 2.0, 5.0]);
     folder.succeed("pca a.npy --correlations r.npy");
     let found = folder.read_npy::<f64>("r.npy", &[3, 3]);
     assert_close(&[found[0], found[1], found[3], found[4]], &[1.0, 0.5, 0.5, 1.0], 1e-15);
