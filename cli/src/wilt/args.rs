@@ -54,7 +54,8 @@ const NOT_FITTED: [&str; 17] = [
 #[derive(clap::Args)]
 #[command(group = ArgGroup::new("random").args(["grow", "wind"]).multiple(true))]
 pub struct Args {
-    /// The plant: .txt (`verts N`, ...), .swc, .mtg or .obj (polylines), each also as .gz or .xz.
+    /// The plant: .txt (`verts N`, ...), .swc, .mtg or .obj (polylines), each also packed (.gz,
+    /// .xz, .zst, .zip).
     #[arg(value_name = "PLANT", required_unless_present = "grow")]
     plant: Option<PathBuf>,
     /// Generate a plant with this number of nodes instead of reading one.
