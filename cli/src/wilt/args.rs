@@ -60,7 +60,7 @@ pub struct Args {
     plant: Option<PathBuf>,
     /// Metres in a unit of the file's lengths and, after a comma, of its radii and diameters, if
     /// they have another unit: 0.01,0.001 for centimetres and millimetres.
-    #[arg(long, value_name = "METRES[,METRES]", value_parser = unit, requires = "plant")]
+    #[arg(long, value_name = "METRES[,METRES]", value_parser = unit, conflicts_with = "grow")]
     unit: Option<(f64, f64)>,
     /// Generate a plant with this number of nodes instead of reading one.
     #[arg(

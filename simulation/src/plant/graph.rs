@@ -280,8 +280,8 @@ impl Plant {
     /// use catamaran_simulation::plant::{Plant, Segment};
     ///
     /// // Height in centimetres, radius in millimetres.
-    /// let plant = Plant::new(vec![Segment::stem([0.0, 0.0, 50.0], 4.0)], &[None], Some([0.0; 3]))?;
-    /// let plant = plant.scaled(1e-2, 1e-3)?;
+    /// let stem = vec![Segment::stem([0.0, 0.0, 50.0], 4.0)];
+    /// let plant = Plant::new(stem, &[None], Some([0.0; 3]))?.scaled(1e-2, 1e-3)?;
     /// assert_eq!((plant.lengths()[0], plant.segments()[0].radius), (0.5, 0.004));
     /// # Ok::<(), catamaran::Error>(())
     /// ```

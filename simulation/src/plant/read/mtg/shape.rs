@@ -133,7 +133,7 @@ pub(super) fn plant(graph: &Graph, lines: &Lines<'_>) -> Result<Plant> {
     match radii.iter().filter(|r| r.is_none()).count() {
         0 => {}
         _ if largest <= 0.0 => notes.push(format!(
-            "no diameters: the radius is {SLENDERNESS} times the mean length of segments, {first:.1e}"
+            "no diameters: the radius is {SLENDERNESS} times the mean length, {first:.1e}"
         )),
         missing => notes.push(format!(
             "{missing} of {count} segments have no diameter: they take that of their bearers"
