@@ -7,7 +7,7 @@ use catamaran::Par;
 use catamaran_simulation::plant::families::{GrowthOptions, grow};
 use catamaran_simulation::plant::{
     Conductivity, Elasticity, FitOptions, MotionOptions, Plant, Segment, Soil, Stomata, Tissue,
-    WaterOptions, Wind, read_with,
+    WaterOptions, Wind, read_individual, read_with,
 };
 use clap::{ArgGroup, ValueEnum, ValueHint};
 
@@ -58,6 +58,9 @@ pub struct Args {
     /// The plant: .txt (`verts N`, ...), .swc, .mtg or .obj (polylines), each also as .gz or .xz.
     #[arg(value_name = "PLANT", required_unless_present = "grow")]
     plant: Option<PathBuf>,
+    /// The name of one of several plants in an .mtg file, such as P3.
+    #[arg(long, value_name = "NAME", conflicts_with = "grow")]
+    individual: Option<String>,
     /// Metres in a unit of the file's lengths and, after a comma, of its radii and diameters, if
     /// they have another unit: 0.01,0.001 for centimetres and millimetres.
     #[arg(long, value_name = "METRES[,METRES]", value_parser = unit, conflicts_with = "grow")]
@@ -326,7 +329,10 @@ impl Args {
     pub fn plant(&self) -> Result<Plant> {
         let plant = match &self.plant {
             Some(path) => {
-                let plant = read_with(path, &input::source())?;
+                let plant = match &self.individual {
+                    Some(name) => read_individual(path, name, &input::source())?,
+                    None => read_with(path, &input::source())?,
+                };
                 for line in plant.notes() {
                     note(format_args!("{}: {line}", path.display()));
                 }

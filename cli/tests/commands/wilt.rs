@@ -121,6 +121,10 @@ fn the_units_of_a_file_are_given_and_what_it_lacks_is_noted() {
     let last = |name: &str| table(&folder, name).1.last().unwrap().clone();
     let (mtg, swc) = (last("out/water.csv"), last("same/water.csv"));
     assert!(mtg[2] > 2.0 * swc[2] && mtg[2] < 4.0 * swc[2], "{mtg:?} {swc:?}");
+    let rows = "/P1\n^/E1\t15\n/P2\n^/E1\t15\n^<L2\t5\n";
+    folder.write("plants.mtg", &format!("MTG:\nENTITY-CODE\tLength\n{rows}"));
+    assert!(folder.fail(&format!("{} -o none", line("plants.mtg"))).contains("plants (P1, P2)"));
+    folder.succeed(&format!("{} --individual P2 --unit 0.01 -o second", line("plants.mtg")));
     let refused = folder.run("wilt --grow 5 --unit 0.01 -o none");
     assert!(refused.stderr.contains("--unit"), "{}", refused.stderr);
 }

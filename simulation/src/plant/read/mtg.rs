@@ -83,22 +83,25 @@ struct Graph {
     plants: Vec<usize>,
 }
 
-pub(super) fn read(lines: &mut Lines<'_>) -> Result<Plant> {
+/// Reads the plant with a name, such as `P3`, or the only one.
+pub(super) fn read(lines: &mut Lines<'_>, name: Option<&str>) -> Result<Plant> {
     let mut graph = header(lines)?;
     while let Some(line) = lines.next_row()? {
         graph.row(lines, &line)?;
     }
-    if graph.plants.len() > 1 {
-        let names: Vec<String> = graph.plants.iter().map(|&v| graph.components[v].name()).collect();
-        let what = format!(
-            "the file has {} plants ({}): copy the lines of one of them, below the header, to a \
-             file of its own",
-            names.len(),
-            names.join(", ")
-        );
-        return Err(lines.fail(what));
-    }
-    shape::plant(&graph, lines)
+    let names: Vec<String> = graph.plants.iter().map(|&v| graph.components[v].name()).collect();
+    let end = |k: usize| graph.plants.get(k).copied().unwrap_or(graph.components.len());
+    let found = name.map(|name| names.iter().position(|n| n == name));
+    let chosen = match found {
+        None if names.len() < 2 => 0..graph.components.len(),
+        Some(Some(k)) => end(k)..end(k + 1),
+        _ => {
+            let (count, all) = (names.len(), names.join(", "));
+            let why = name.map_or("choose one by its name".into(), |n| format!("{n:?} is not one"));
+            return Err(lines.fail(format!("the file has {count} plants ({all}): {why}")));
+        }
+    };
+    shape::plant(&graph, chosen, lines)
 }
 
 /// Reads up to the line of column names after `MTG:`.

@@ -156,6 +156,22 @@ fn an_mtg_without_diameters_has_slender_segments_and_a_note() {
 }
 
 #[test]
+fn one_of_several_plants_of_an_mtg_is_read_by_its_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("plants.mtg");
+    let rows = "/P1/A1/U1/E1\t\t\t1\n^<E2\t\t\t2\n/P7/A1/U1/E1\t\t\t3\n/P8/A1/U1/E1\t\t\t4\n";
+    std::fs::write(&path, mtg("Length", rows)).unwrap();
+    let named = |name| read_individual(&path, name, &SourceOptions::new());
+    assert_near(named("P1").unwrap().lengths(), &[1.0, 2.0]);
+    assert_near(named("P7").unwrap().lengths(), &[3.0]);
+    assert_near(named("P8").unwrap().lengths(), &[4.0]);
+    let error = named("P2").unwrap_err().to_string();
+    assert!(error.contains("3 plants (P1, P7, P8): \"P2\" is not one"), "{error}");
+    let other = read_individual(Path::new("plant.swc"), "P1", &SourceOptions::new());
+    assert!(other.unwrap_err().to_string().contains("only .mtg files have names"));
+}
+
+#[test]
 fn latin_1_in_an_mtg_is_read() {
     let rows = "/P1/A1/U1/E1\t\t\t0\t0\t1\t.2\n";
     let bytes = [b"# Unit\xe9 de croissance\n", mtg(POINTS, rows).as_bytes()].concat();

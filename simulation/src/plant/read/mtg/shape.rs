@@ -1,6 +1,8 @@
 //! The shape of an MTG: from the coordinates of its components, or, without any, from their lengths
 //! and angles by a turtle (Prusinkiewicz and Lindenmayer 1990, section 1.5).
 
+use std::ops::Range;
+
 use super::super::super::{Plant, Segment};
 use super::super::lines::Lines;
 use super::{AZIMUTH, BASE, Component, Graph, INSERTION, LENGTH};
@@ -41,17 +43,17 @@ struct Turn {
     azimuth: Option<f64>,
 }
 
-/// Makes a plant of the components with coordinates, or with lengths if none has coordinates; the
-/// others are merged with the component that bears them.
-pub(super) fn plant(graph: &Graph, lines: &Lines<'_>) -> Result<Plant> {
+/// Makes a plant of the `chosen` components with coordinates, or with lengths if none has
+/// coordinates; the others are merged with the component that bears them.
+pub(super) fn plant(graph: &Graph, chosen: Range<usize>, lines: &Lines<'_>) -> Result<Plant> {
     let parts = &graph.components;
     let sizes = sizes(parts);
-    let positioned = parts.iter().any(|c| c.position().is_some());
+    let positioned = parts[chosen.clone()].iter().any(|c| c.position().is_some());
     let length = |v: usize| sizes[v].length.filter(|&h: &f64| h > 0.0);
     let shaped =
         |v: usize| if positioned { parts[v].position().is_some() } else { length(v).is_some() };
-    let finest = (0..parts.len()).filter(|&v| shaped(v)).map(|v| parts[v].scale).max();
-    let Some(finest) = finest else { return Err(lines.fail(without_shape(graph))) };
+    let finest = chosen.clone().filter(|&v| shaped(v)).map(|v| parts[v].scale).max();
+    let Some(finest) = finest else { return Err(lines.fail(without_shape(graph, chosen.len()))) };
     let mut base = (!positioned).then_some([0.0; 3]);
     let (mut segments, mut parents): (Vec<Segment>, Vec<Option<u32>>) = (vec![], vec![]);
     let (mut radii, mut frames) = (Vec::new(), Vec::<Frame>::new());
@@ -69,6 +71,9 @@ pub(super) fn plant(graph: &Graph, lines: &Lines<'_>) -> Result<Plant> {
         };
         nodes.push(above);
         turns.push(turn);
+        if !chosen.contains(&v) {
+            continue;
+        }
         let head = above.map(|p| segments[p as usize].tail).or(base);
         let (tail, frame) = match (part.position(), length(v)) {
             (Some(tail), _) => (tail, UPRIGHT),
@@ -109,12 +114,12 @@ pub(super) fn plant(graph: &Graph, lines: &Lines<'_>) -> Result<Plant> {
     }
     let count = segments.len();
     let mut notes = Vec::new();
-    if count < parts.len() {
+    if count < chosen.len() {
         let (merged, what) =
-            (parts.len() - count, if positioned { "coordinates" } else { "length" });
+            (chosen.len() - count, if positioned { "coordinates" } else { "length" });
         notes.push(format!(
             "{merged} of {} components are no segments: they have parts, or no {what}",
-            parts.len()
+            chosen.len()
         ));
     }
     if guessed > 0 {
@@ -156,8 +161,8 @@ pub(super) fn plant(graph: &Graph, lines: &Lines<'_>) -> Result<Plant> {
 }
 
 /// Returns why no component has a shape.
-fn without_shape(graph: &Graph) -> String {
-    if graph.components.is_empty() {
+fn without_shape(graph: &Graph, count: usize) -> String {
+    if count == 0 {
         return "no component after the column names".into();
     }
     if ["l1", "l2", "l3"].iter().all(|&name| graph.names.iter().any(|n| n == name)) {
@@ -167,8 +172,7 @@ fn without_shape(graph: &Graph) -> String {
     }
     format!(
         "no component has coordinates (columns XX, YY, ZZ) or a length (column Length): the file \
-         says how {} components are connected, not where they are",
-        graph.components.len()
+         says how {count} components are connected, not where they are"
     )
 }
 
