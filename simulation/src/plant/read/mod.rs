@@ -23,13 +23,13 @@ pub enum PlantFormat {
     /// Neuron and tree skeletons (Cannon et al. 1998): lines `id type x y z radius parent`, parent
     /// -1 for the root, in metres. Type 7 ("custom") marks veins of leaves.
     Swc,
-    /// Multiscale tree graphs (Godin and Caraglio 1998) of one plant ([`read_individual`]: of
-    /// several), with coordinates (columns
-    /// `XX`, `YY`, `ZZ`) or else lengths (`Length`, `Longueur`, `Long`) and the angles of branches
-    /// in degrees (`Insertion` or `Alpha`, `Azimuth`). Radii are those of `Radius`, or half of
-    /// `Diameter`, `Diam`, `TopDia` or `diasom` and, at the base, of `BottomDia` or `diabase`. All
-    /// in metres; [`Plant::scaled`] converts other units. [`Plant::notes`] says what was not in
-    /// the file. Class `L...` (leaf) marks veins of leaves, `P...` (petiole) their stalks.
+    /// Multiscale tree graphs (Godin and Caraglio 1998) of one plant (of several:
+    /// [`read_individual`]), with coordinates (columns `XX`, `YY`, `ZZ`) or else lengths (`Length`,
+    /// `Longueur`, `Long`) and angles of branches in degrees (`Insertion` or `Alpha`, `Azimuth`).
+    /// Radii are those of `Radius`, or half of `Diameter`, `Diam`, `TopDia` or `diasom` and, at the
+    /// base, of `BottomDia` or `diabase`. All in metres; [`Plant::scaled`] converts other units.
+    /// [`Plant::notes`] says what was not in the file. Class `L...` (leaf) marks veins of leaves,
+    /// `P...` (petiole) their stalks.
     Mtg,
     /// Wavefront OBJ with `v x y z [radius]` and polylines `l`: in metres; the default radius is 1
     /// mm. The root is the first vertex of the first line. End points at which no line continues
