@@ -111,6 +111,14 @@ fn legacy_vtk_is_read_in_each_form() {
     is_cube(offsets.as_bytes(), VTK, "offsets");
     is_cube(format!("\u{feff}{offsets}").as_bytes(), VTK, "a byte order mark");
 
+    let mut binary = (head("BINARY") + "DATASET POLYDATA\nPOINTS 8 double\n").into_bytes();
+    binary.extend(big(corners().into_flattened(), f64::to_be_bytes));
+    binary.extend(b"\nPOLYGONS 7 24\nOFFSETS vtktypeint64\n");
+    binary.extend(big((0..7i64).map(|i| 4 * i), i64::to_be_bytes));
+    binary.extend(b"\nCONNECTIVITY vtktypeint64\n");
+    binary.extend(big(SIDES.into_iter().flatten().map(i64::from), i64::to_be_bytes));
+    is_cube(&binary, VTK, "binary offsets");
+
     // Texts before the points.
     let texts = "DATASET POLYDATA\nFIELD FieldData 1\nnames 1 2 string\n";
     let named = format!("{}{texts}a b\n\n{points}POLYGONS 6 30\n{sides}", head("ASCII"));
@@ -295,6 +303,25 @@ fn vtk_in_xml_is_read_in_each_encoding() {
         let found = refused(text.replace(from, to).as_bytes(), MeshFormat::VtkXml);
         assert!(found.contains(what), "{to}: {found}");
     }
+}
+
+#[test]
+fn vtk_in_xml_has_its_byte_order_and_may_have_headers_with_a_padding() {
+    let array = |name: &str, kind: &str, bytes: Vec<u8>| {
+        let head = STANDARD.encode((bytes.len() as u32).to_be_bytes());
+        let start = format!("<DataArray Name=\"{name}\" type=\"{kind}\" format=\"binary\">");
+        format!("{start}{head}{}</DataArray>", STANDARD.encode(bytes))
+    };
+    let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0f64]];
+    let points = array("P", "Float64", big(positions.into_iter().flatten(), f64::to_be_bytes));
+    let corners = array("connectivity", "Int32", big([2, 0, 1], i32::to_be_bytes));
+    let ends = array("offsets", "Int16", big([3], i16::to_be_bytes));
+    let text = format!(
+        "<VTKFile type=\"PolyData\" byte_order=\"BigEndian\"><Piece><Points>{points}</Points>\
+         <Polys>{corners}{ends}</Polys></Piece></VTKFile>"
+    );
+    let file = read_bytes(text.as_bytes(), MeshFormat::VtkXml).unwrap();
+    assert_eq!((file.mesh.vertices(), file.mesh.faces()), (&positions[..], &[[2, 0, 1]][..]));
 }
 
 #[test]
@@ -642,6 +669,21 @@ fn faces_of_gmsh_are_read_in_each_version() {
     bytes["$MeshFormat\n2.2 1 8\n".len()] = 7;
     let found = refused(&bytes, MeshFormat::Gmsh);
     assert!(found.contains("not 1 in any byte order"), "{found}");
+}
+
+#[test]
+fn binary_files_of_gmsh_have_either_byte_order() {
+    let mut bytes = b"$MeshFormat\n2.2 1 8\n\0\0\0\x01\n$EndMeshFormat\n$Nodes\n3\n".to_vec();
+    for (number, y) in [(1, 0.0), (2, 1.0), (300, 2.0)] {
+        bytes.extend(i32::to_be_bytes(number));
+        bytes.extend(big([y * y, y, 0.5], f64::to_be_bytes));
+    }
+    bytes.extend(b"\n$EndNodes\n$Elements\n1\n");
+    // A triangle without tags.
+    bytes.extend(big([2, 1, 0, 7, 1, 2, 300], i32::to_be_bytes));
+    bytes.extend(b"\n$EndElements\n");
+    let mesh = read_bytes(&bytes, MeshFormat::Gmsh).unwrap().mesh;
+    assert_eq!((mesh.vertices()[2], mesh.faces()), ([4.0, 2.0, 0.5], &[[0, 1, 2]][..]));
 }
 
 /// Returns an archive with these parts and one that names the first as the model.
