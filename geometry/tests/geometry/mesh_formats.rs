@@ -464,9 +464,13 @@ fn surfaces_of_freesurfer_are_read_and_old_ones_of_quadrilaterals() {
     let head = |magic: u8| vec![0xff, 0xff, magic, 0, 0, 8, 0, 0, 6];
     let floats = big(corners().into_flattened(), |x| (x as f32).to_be_bytes());
     let hundredths = big(corners().into_flattened(), |x| ((100.0 * x) as i16).to_be_bytes());
+    // The number that decides is near 2.6 for vertices 0 and 2, and near 1.9 for 0 and 1.
+    let (odd, even) = ([[0, 2, 3], [0, 3, 1]], [[0, 1, 4], [5, 4, 1]]);
     for (magic, points) in [(0xfd, floats), (0xff, hundredths)] {
         let bytes = [head(magic), points, quads.clone()].concat();
-        is_cube(&bytes, MeshFormat::FreeSurfer, "quadrilaterals");
+        let file = is_cube(&bytes, MeshFormat::FreeSurfer, "quadrilaterals");
+        let faces = file.mesh.faces();
+        assert_eq!((&faces[..2], &faces[4..6]), (&odd[..], &even[..]));
         beginnings_are_refused(&bytes, bytes.len(), MeshFormat::FreeSurfer, "quadrilaterals");
     }
     // Content decides: the name says nothing.

@@ -98,8 +98,9 @@ fn surface(cursor: &mut Cursor<'_>) -> Checked<Dataset> {
     let (mut triangles, mut ends) = (Vec::new(), Vec::new());
     for quad in corners.chunks_exact(12) {
         let [a, b, c, d] = [0, 3, 6, 9].map(|at| short(&quad[at..]));
-        // FreeSurfer cuts along the one or the other diagonal, so that neighbours differ.
-        let cut = if a % 2.0 == 0.0 { [a, b, d, c, d, b] } else { [a, b, c, a, c, d] };
+        // FreeSurfer takes either diagonal, by this number; nibabel and MNE by the parity of `a`.
+        let which = ((1.9 * a).sqrt() + (3.5 * b).sqrt()).round();
+        let cut = if which % 2.0 == 0.0 { [a, b, d, c, d, b] } else { [a, b, c, a, c, d] };
         for corner in cut {
             push(&mut triangles, corner)?;
         }

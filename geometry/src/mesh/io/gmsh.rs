@@ -298,6 +298,9 @@ impl Reader<'_, '_> {
         if !(1..=MOST_VALUES).contains(&width) {
             return Err(format!("{width} values of a node").into());
         }
+        if count == 0 {
+            return Ok(());
+        }
         // A value for each vertex, whatever the file gives.
         let length = self.dataset.draft.vertices.len().saturating_mul(width);
         self.budget.take_numbers(length)?;
