@@ -815,7 +815,12 @@ fn names_of_files_in_an_archive_tell_3mf_from_packed_meshes() {
     stored(&parts, "picture.3mf");
     let own = stored(&parts[1..], "c.3mf");
     stored(&[("c.3mf", &own[..])], "c.3mf.zip");
-    for (name, faces) in [("b.obj.zip", 1), ("picture.3mf", 12), ("c.3mf", 12), ("c.3mf.zip", 12)] {
+    let wide: Vec<u8> =
+        format!("\u{feff}{model}").encode_utf16().flat_map(u16::to_le_bytes).collect();
+    stored(&[parts[1], ("3D/a.model", &wide[..])], "wide.3mf");
+    for (name, faces) in
+        [("b.obj.zip", 1), ("picture.3mf", 12), ("c.3mf", 12), ("c.3mf.zip", 12), ("wide.3mf", 12)]
+    {
         let file = read(&folder.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"));
         assert_eq!((file.mesh.faces().len(), file.notes), (faces, vec![]), "{name}");
     }
