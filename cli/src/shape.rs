@@ -196,7 +196,11 @@ pub fn functions(path: &Path, rows: usize, table: &TableArgs) -> Result<Mat<f64>
     let matrix = match names_scalars(path) {
         true => {
             let columns = read_scalars(path)?;
-            let count = columns.iter().map(|column| column.values.len()).min().unwrap_or_default();
+            let count = columns.first().map_or(0, |column| column.values.len());
+            if let Some(other) = columns.iter().find(|column| column.values.len() != count) {
+                let (path, name, length) = (path.display(), &other.name, other.values.len());
+                bail!("{path}: {length} values of {name:?}, and {count} of the first function");
+            }
             Mat::from_fn(count, columns.len(), |i, j| columns[j].values[i])
         }
         false => dense(path, table)?,

@@ -755,4 +755,14 @@ fn functions_are_those_of_a_mesh_file_or_of_freesurfer() {
         let z = file.scalars[0].values[v];
         assert!((a - z).abs() < 0.05 && (b - z).abs() < 0.05, "{v}: {a}, {b}, {z}");
     }
+    let array = |rows: usize| {
+        format!(
+            "<DataArray Intent=\"NIFTI_INTENT_SHAPE\" DataType=\"NIFTI_TYPE_FLOAT32\" \
+             Dimensionality=\"1\" Dim0=\"{rows}\" Encoding=\"ASCII\"><Data>{}</Data></DataArray>",
+            "1 ".repeat(rows)
+        )
+    };
+    folder.write("uneven.gii", format!("<GIFTI>{}{}</GIFTI>", array(162), array(163)));
+    let refusal = folder.fail("filter a.gii --low-pass 4 --functions uneven.gii -o b.npy");
+    assert!(refusal.contains("163 values of \"shape\", and 162"), "{refusal}");
 }

@@ -13,9 +13,9 @@ use catamaran_geometry::mesh::io::{
 };
 use catamaran_geometry::mesh::{Refined, TriMesh, families};
 use flate2::Compression;
-use flate2::write::ZlibEncoder;
-use zip::ZipWriter;
+use flate2::write::{GzEncoder, ZlibEncoder};
 use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipWriter};
 
 use crate::mesh_files::{Folder, create};
 
@@ -109,6 +109,15 @@ fn legacy_vtk_is_read_in_each_form() {
         text(SIDES.as_flattened())
     );
     is_cube(offsets.as_bytes(), VTK, "offsets");
+    is_cube(format!("\u{feff}{offsets}").as_bytes(), VTK, "a byte order mark");
+
+    let mut binary = (head("BINARY") + "DATASET POLYDATA\nPOINTS 8 double\n").into_bytes();
+    binary.extend(big(corners().into_flattened(), f64::to_be_bytes));
+    binary.extend(b"\nPOLYGONS 7 24\nOFFSETS vtktypeint64\n");
+    binary.extend(big((0..7i64).map(|i| 4 * i), i64::to_be_bytes));
+    binary.extend(b"\nCONNECTIVITY vtktypeint64\n");
+    binary.extend(big(SIDES.into_iter().flatten().map(i64::from), i64::to_be_bytes));
+    is_cube(&binary, VTK, "binary offsets");
 
     // Texts before the points.
     let texts = "DATASET POLYDATA\nFIELD FieldData 1\nnames 1 2 string\n";
@@ -152,7 +161,18 @@ fn triangle_strips_of_vtk_alternate() {
 #[test]
 fn errors_in_vtk_name_the_line_and_the_culprit() {
     let head = "# vtk DataFile Version 3.0\n\nASCII\n";
+    let points = "DATASET POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\n";
+    let wide = format!("{points}POINT_DATA 3\nSCALARS s float 5000\n{}", "0 ".repeat(15_000));
+    let lists = |text: &str| format!("{points}POLYGONS {text}\n");
+    let offsets = |text: &str| {
+        let vertices = "CONNECTIVITY vtktypeint64\n0 1 2 0 1 2";
+        format!("{points}POLYGONS 2 6\nOFFSETS vtktypeint64\n{text}\n{vertices}\n")
+    };
     for (rest, what) in [
+        (&wide[..], "array \"s\" has 5000 values for each vertex"),
+        (&lists("1 8\n3 0 1 2 3 0 1 2")[..], "4 numbers come after those of the 1 cells"),
+        (&offsets("0 3")[..], "3 vertices come after those of the last cell"),
+        (&offsets("3 6")[..], "the first of the offsets of cells is not 0"),
         ("DATASET STRUCTURED_POINTS\n", "mesh.vtk:4: a dataset \"STRUCTURED_POINTS\" is not a"),
         ("DATASET POLYDATA\nPOINTS 2 float\n0 0 0\n1 x 0\n", "mesh.vtk:7: \"x\" is not a number"),
         ("DATASET POLYDATA\nPOINTS 9999999999 float\n0 0 0\n", "truncated: the file ends before"),
@@ -259,15 +279,49 @@ fn vtk_in_xml_is_read_in_each_encoding() {
     let file = read_bytes(twice.as_bytes(), MeshFormat::VtkXml).unwrap();
     assert!((file.mesh.volume() - 2.0).abs() < 1e-12);
     assert_eq!(file.scalars[0].values[15], 14.0);
+    // An array of one of the pieces lacks values of vertices.
+    let other = text[start..end].replace("heat", "cold");
+    let twice = [&text[..end], &other, &text[end..]].concat();
+    let file = read_bytes(twice.as_bytes(), MeshFormat::VtkXml).unwrap();
+    assert!(file.scalars.is_empty());
+    assert!(file.notes[0].contains("without a value for each vertex: 2"), "{:?}", file.notes);
+    // A first piece without vertices, and so without values.
+    let empty = "<Piece><Points><DataArray type=\"Int8\"></DataArray></Points></Piece>";
+    let after = [&text[..start], empty, &text[start..]].concat();
+    let file = is_cube(after.as_bytes(), MeshFormat::VtkXml, "after an empty piece");
+    assert_eq!(file.scalars[0].values[7], 14.0);
     for (from, to, what) in [
         ("\"PolyData\"", "\"ImageData\"", "VTKFile of type \"ImageData\" is not a surface"),
         ("</Points>", "</Point>", "mesh.vtp:8: </Point> where <Points> is open"),
         ("4 8 12", "4 8 99", "cell 2 has vertices 8 to 99 of 24"),
+        ("20 24<X/>", "20<X/>", "4 vertices come after those of the last cell"),
+        ("\"offsets\"", "\"ends\"", "<Polys> lacks connectivity or offsets"),
+        ("1 1 1<X/>", "1 1<X/>", "23 coordinates of points, not three for each"),
+        ("Components=\"3\"", "Components=\"2\"", "points of 2 coordinates"),
         ("\"LittleEndian\"", "\"LittleEndian\" compressor=\"vtkLZ4DataCompressor\"", "LZ4"),
     ] {
         let found = refused(text.replace(from, to).as_bytes(), MeshFormat::VtkXml);
         assert!(found.contains(what), "{to}: {found}");
     }
+}
+
+#[test]
+fn vtk_in_xml_has_its_byte_order_and_may_have_headers_with_a_padding() {
+    let array = |name: &str, kind: &str, bytes: Vec<u8>| {
+        let head = STANDARD.encode((bytes.len() as u32).to_be_bytes());
+        let start = format!("<DataArray Name=\"{name}\" type=\"{kind}\" format=\"binary\">");
+        format!("{start}{head}{}</DataArray>", STANDARD.encode(bytes))
+    };
+    let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0f64]];
+    let points = array("P", "Float64", big(positions.into_iter().flatten(), f64::to_be_bytes));
+    let corners = array("connectivity", "Int32", big([2, 0, 1], i32::to_be_bytes));
+    let ends = array("offsets", "Int16", big([3], i16::to_be_bytes));
+    let text = format!(
+        "<VTKFile type=\"PolyData\" byte_order=\"BigEndian\"><Piece><Points>{points}</Points>\
+         <Polys>{corners}{ends}</Polys></Piece></VTKFile>"
+    );
+    let file = read_bytes(text.as_bytes(), MeshFormat::VtkXml).unwrap();
+    assert_eq!((file.mesh.vertices(), file.mesh.faces()), (&positions[..], &[[2, 0, 1]][..]));
 }
 
 #[test]
@@ -363,6 +417,39 @@ fn gifti_is_read_in_each_encoding() {
 }
 
 #[test]
+fn names_and_matrices_of_gifti_are_noticed() {
+    let array = |intent: &str, shape: &str, inside: &str, data: &str| {
+        format!(
+            "<DataArray Intent=\"NIFTI_INTENT_{intent}\" DataType=\"NIFTI_TYPE_FLOAT32\" {shape} \
+             ArrayIndexingOrder=\"ColumnMajorOrder\" Encoding=\"ASCII\">{inside}\
+             <Data>{data}</Data></DataArray>"
+        )
+    };
+    let name = "<MetaData><MD><Name>\nName\n</Name><Value>\n<![CDATA[depth]]>\n</Value></MD>\
+                </MetaData>";
+    let values = array("SHAPE", "Dimensionality=\"1\" Dim0=\"3\"", name, "4 5 6");
+    let whole = |x: u32, more: &str| {
+        let matrix = format!("<MatrixData>1 0 0 {x} 0 1 0 0 0 0 1 0 0 0 0 1</MatrixData>");
+        let shape = "Dimensionality=\"2\" Dim0=\"3\" Dim1=\"3\"";
+        let points = array("POINTSET", shape, &matrix, "0 1 0 0 0 1 0 0 0");
+        format!("<GIFTI>{points}{values}{more}</GIFTI>")
+    };
+    for (x, notes) in [(0, 0), (2, 1)] {
+        let file = read_bytes(whole(x, "").as_bytes(), MeshFormat::Gifti).unwrap();
+        assert_eq!((&file.scalars[0].name[..], file.notes.len()), ("depth", notes));
+        assert_eq!(file.mesh.vertices()[1], [1.0, 0.0, 0.0]);
+    }
+    let deep = "Dimensionality=\"3\" Dim0=\"3\" Dim1=\"1\" Dim2=\"1\"";
+    let wide = "Dimensionality=\"2\" Dim0=\"1\" Dim1=\"5000\"";
+    for (shape, count, what) in [(deep, 3, "more than two dimensions"), (wide, 5000, "5000 values")]
+    {
+        let more = array("SHAPE", shape, "", &"0 ".repeat(count));
+        let found = refused(whole(0, &more).as_bytes(), MeshFormat::Gifti);
+        assert!(found.contains(what), "{found}");
+    }
+}
+
+#[test]
 fn surfaces_of_freesurfer_are_read_and_old_ones_of_quadrilaterals() {
     let mut bytes = b"\xff\xff\xfecreated by a test\n\n\0\0\0\x08\0\0\0\x0c".to_vec();
     bytes.extend(big(corners().into_flattened(), |x| (x as f32).to_be_bytes()));
@@ -377,9 +464,13 @@ fn surfaces_of_freesurfer_are_read_and_old_ones_of_quadrilaterals() {
     let head = |magic: u8| vec![0xff, 0xff, magic, 0, 0, 8, 0, 0, 6];
     let floats = big(corners().into_flattened(), |x| (x as f32).to_be_bytes());
     let hundredths = big(corners().into_flattened(), |x| ((100.0 * x) as i16).to_be_bytes());
+    // The number that decides is near 2.6 for vertices 0 and 2, and near 1.9 for 0 and 1.
+    let (odd, even) = ([[0, 2, 3], [0, 3, 1]], [[0, 1, 4], [5, 4, 1]]);
     for (magic, points) in [(0xfd, floats), (0xff, hundredths)] {
         let bytes = [head(magic), points, quads.clone()].concat();
-        is_cube(&bytes, MeshFormat::FreeSurfer, "quadrilaterals");
+        let file = is_cube(&bytes, MeshFormat::FreeSurfer, "quadrilaterals");
+        let faces = file.mesh.faces();
+        assert_eq!((&faces[..2], &faces[4..6]), (&odd[..], &even[..]));
         beginnings_are_refused(&bytes, bytes.len(), MeshFormat::FreeSurfer, "quadrilaterals");
     }
     // Content decides: the name says nothing.
@@ -424,6 +515,16 @@ fn values_and_labels_of_freesurfer_are_read() {
     let path = folder.path("lh.annot");
     fs::write(&path, &bytes).unwrap();
     assert_eq!(read_scalars(&path).unwrap()[0].values, [7.0, 4.0, -1.0]);
+    let mut packer = GzEncoder::new(Vec::new(), Compression::default());
+    packer.write_all(&bytes).unwrap();
+    let packed = folder.path("lh.annot.gz");
+    fs::write(&packed, packer.finish().unwrap()).unwrap();
+    assert_eq!(read_scalars(&packed).unwrap(), read_scalars(&path).unwrap());
+    // Nothing marks the old form of values but its size.
+    let longer = folder.path("lh.old");
+    fs::write(&longer, [&old[..], &[0]].concat()).unwrap();
+    let found = read_scalars(&longer).unwrap_err().to_string();
+    assert!(found.contains("is no file of values"), "{found}");
     // The first number announces more than there is.
     bytes[0] = 0x7f;
     fs::write(&path, &bytes).unwrap();
@@ -558,6 +659,35 @@ fn faces_of_gmsh_are_read_in_each_version() {
         let found = refused(text.replacen(from, to, 1).as_bytes(), MeshFormat::Gmsh);
         assert!(found.contains(what), "{to}: {found}");
     }
+    // What is left out is noted, and a byte order mark is skipped.
+    let wide = text.replace("$NodeData\n1\n\"heat\"\n1\n0.0\n3\n0\n1", "$NodeData\n0\n0\n2\n0\n10");
+    let cells = format!("\u{feff}{wide}$ElementData\n0\n0\n0\n$EndElementData\n");
+    let file = is_cube(cells.as_bytes(), MeshFormat::Gmsh, "values of elements");
+    assert!(
+        file.notes.iter().any(|note| note.contains("(10 values of a node)")),
+        "{:?}",
+        file.notes
+    );
+    assert!(file.notes.contains(&"left out values of elements: 1".into()), "{:?}", file.notes);
+    let mut bytes = msh(2, true);
+    bytes["$MeshFormat\n2.2 1 8\n".len()] = 7;
+    let found = refused(&bytes, MeshFormat::Gmsh);
+    assert!(found.contains("not 1 in any byte order"), "{found}");
+}
+
+#[test]
+fn binary_files_of_gmsh_have_either_byte_order() {
+    let mut bytes = b"$MeshFormat\n2.2 1 8\n\0\0\0\x01\n$EndMeshFormat\n$Nodes\n3\n".to_vec();
+    for (number, y) in [(1, 0.0), (2, 1.0), (300, 2.0)] {
+        bytes.extend(i32::to_be_bytes(number));
+        bytes.extend(big([y * y, y, 0.5], f64::to_be_bytes));
+    }
+    bytes.extend(b"\n$EndNodes\n$Elements\n1\n");
+    // A triangle without tags.
+    bytes.extend(big([2, 1, 0, 7, 1, 2, 300], i32::to_be_bytes));
+    bytes.extend(b"\n$EndElements\n");
+    let mesh = read_bytes(&bytes, MeshFormat::Gmsh).unwrap().mesh;
+    assert_eq!((mesh.vertices()[2], mesh.faces()), ([4.0, 2.0, 0.5], &[[0, 1, 2]][..]));
 }
 
 /// Returns an archive with these parts and one that names the first as the model.
@@ -640,6 +770,8 @@ fn objects_of_3mf_are_in_their_places_in_millimetres() {
         (&cube[..], "<item objectid=\"7\"/>", "object 7 does not exist"),
         (&cube[..], "", "no items"),
         ("<object id=\"1\"><mesh><vertex x=\"1\" y=\"2\"/></mesh></object>", "", "attribute z"),
+        ("<object id=\"1\"/><object id=\"1\"/>", "", "object 1 exists twice"),
+        ("<object id=\"a\"/>", "", "\"a\" is not a whole number"),
     ] {
         let text = model("meter", resources, build);
         let found = refused(&threemf(&[("3D/a.model", &text)]), format);
@@ -649,6 +781,49 @@ fn objects_of_3mf_are_in_their_places_in_millimetres() {
     assert!(found.contains("unknown unit \"mile\""), "{found}");
     let bytes = threemf(&[("3D/a.model", &text)]);
     beginnings_are_refused(&bytes, bytes.len() - 1, format, "archive");
+}
+
+#[test]
+fn names_of_files_in_an_archive_tell_3mf_from_packed_meshes() {
+    let folder = Folder::new();
+    let stored = |parts: &[(&str, &[u8])], name: &str| {
+        let mut archive = ZipWriter::new(std::io::Cursor::new(Vec::new()));
+        let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
+        for (name, bytes) in parts {
+            archive.start_file(*name, options).unwrap();
+            archive.write_all(bytes).unwrap();
+        }
+        let bytes = archive.finish().unwrap().into_inner();
+        fs::write(folder.path(name), &bytes).unwrap();
+        bytes
+    };
+    let obj = ["v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n# _rels/.rels\n", &"g a\n".repeat(50)].concat();
+    let relations = "<Relationships><Relationship Target=\"3D/a.model\" Type=\"x/3dmodel\"/>\
+                     </Relationships>";
+    let model = format!(
+        "<model><resources>{}</resources><build><item objectid=\"1\"/></build></model>",
+        cube_object(1)
+    );
+    stored(&[("3D/b.obj", obj.as_bytes())], "b.obj.zip");
+    // A picture that is larger than what is read to detect the format.
+    let picture = vec![0; 1 << 17];
+    let parts: [(&str, &[u8]); 3] = [
+        ("Metadata/thumbnail.png", &picture[..]),
+        ("_rels/.rels", relations.as_bytes()),
+        ("3D/a.model", model.as_bytes()),
+    ];
+    stored(&parts, "picture.3mf");
+    let own = stored(&parts[1..], "c.3mf");
+    stored(&[("c.3mf", &own[..])], "c.3mf.zip");
+    let wide: Vec<u8> =
+        format!("\u{feff}{model}").encode_utf16().flat_map(u16::to_le_bytes).collect();
+    stored(&[parts[1], ("3D/a.model", &wide[..])], "wide.3mf");
+    for (name, faces) in
+        [("b.obj.zip", 1), ("picture.3mf", 12), ("c.3mf", 12), ("c.3mf.zip", 12), ("wide.3mf", 12)]
+    {
+        let file = read(&folder.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert_eq!((file.mesh.faces().len(), file.notes), (faces, vec![]), "{name}");
+    }
 }
 
 /// Returns a mesh with all attributes of vertices.

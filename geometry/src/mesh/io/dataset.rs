@@ -55,6 +55,9 @@ impl Role {
     }
 }
 
+/// Largest number of values of a vertex in an array: each of them becomes a function with a name.
+const MOST_VALUES: usize = 1 << 12;
+
 /// Values of vertices.
 pub(super) struct Array {
     pub name: String,
@@ -68,9 +71,13 @@ pub(super) struct Array {
 
 impl Array {
     /// Returns an array whose role its name implies; integers of 8 bits are 255 times a colour.
-    pub fn named(name: String, width: usize, values: Vec<f64>, kind: Kind) -> Self {
+    pub fn named(name: String, width: usize, values: Vec<f64>, kind: Kind) -> Checked<Self> {
+        if width > MOST_VALUES {
+            let what = format!("array {name:?} has {width} values for each vertex");
+            return Err(format!("{what}, where {MOST_VALUES} are supported").into());
+        }
         let role = Role::of(&name, width);
-        Self { name, role, width, values, full: if kind == Kind::U8 { 255.0 } else { 1.0 } }
+        Ok(Self { name, role, width, values, full: if kind == Kind::U8 { 255.0 } else { 1.0 } })
     }
 }
 
@@ -86,7 +93,13 @@ pub(super) struct Dataset {
 impl Dataset {
     /// Adds the vertices with these coordinates.
     pub fn points(&mut self, values: &[f64]) -> Checked<()> {
-        for &position in values.as_chunks::<3>().0 {
+        let (positions, rest) = values.as_chunks::<3>();
+        if !rest.is_empty() {
+            return Err(
+                format!("{} coordinates of points, not three for each", values.len()).into()
+            );
+        }
+        for &position in positions {
             let v = self.draft.vertices.len();
             let pushed = self.draft.push_vertex(position);
             pushed.map_err(|fault| fault.of(|| format!("point {v}")))?;
@@ -118,7 +131,10 @@ impl Dataset {
             }
             self.cell(kind(i)?, &mut numbers, i)?;
         }
-        Ok(())
+        match corners.len() - start {
+            0 => Ok(()),
+            left => Err(format!("{left} vertices come after those of the last cell").into()),
+        }
     }
 
     /// Adds cell `i` of a type; `vertices` is a buffer that may change.

@@ -2,7 +2,8 @@
 
 use super::format::MeshFormat;
 use super::formats::FORMATS;
-use super::text::{number, of_utf16, words};
+use super::stored::Kind;
+use super::text::{number, of_utf16, without_mark, words};
 use super::{freesurfer, off};
 use catamaran::io::Packing;
 
@@ -14,13 +15,12 @@ pub(super) const LOOK: usize = 1 << 16;
 const LEAST_KNOWN: usize = 8;
 
 /// Returns the packing of a file that begins with `head`; the name of the file says `named`.
-pub(super) fn packing(head: &[u8], named: Packing) -> Packing {
-    // First, because a mesh may be an archive itself (3MF).
-    if format(head, None).is_some() {
-        return Packing::None;
-    }
+pub(super) fn packing(head: &[u8], named: (Option<MeshFormat>, Packing)) -> Packing {
+    let named_threemf = named == (Some(MeshFormat::ThreeMf), Packing::None);
     match Packing::of_content(head) {
-        Packing::None => named,
+        // 3MF is an archive itself.
+        Packing::Zip if named_threemf || is_threemf(&Head::new(head, None)) => Packing::None,
+        Packing::None if format(head, None).is_none() => named.1,
         found => found,
     }
 }
@@ -35,7 +35,7 @@ pub(super) struct Head<'a> {
 
 impl<'a> Head<'a> {
     pub fn new(bytes: &'a [u8], size: Option<u64>) -> Self {
-        let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+        let bytes = without_mark(bytes);
         Self { bytes: &bytes[..bytes.len().min(LOOK)], size }
     }
 
@@ -97,11 +97,32 @@ pub(super) fn is_gmsh(head: &Head<'_>) -> bool {
     line.starts_with(b"$MeshFormat") || line.starts_with(b"$NOD")
 }
 
-/// An archive (zip) that has a file of each package of this kind among its first.
+/// Returns whether an archive (zip) has a file that packages of 3MF have among its first ones.
 pub(super) fn is_threemf(head: &Head<'_>) -> bool {
-    let has = |name: &[u8]| head.bytes.windows(name.len()).any(|bytes| bytes == name);
-    let names: [&[u8]; 3] = [b"[Content_Types].xml", b"_rels/.rels", b"3D/"];
-    head.bytes.starts_with(b"PK\x03\x04") && names.into_iter().any(has)
+    let mut rest = head.bytes;
+    while let Some((name, after)) = first_of_archive(rest) {
+        let is_model = name.starts_with(b"3D/") && name.ends_with(b".model");
+        if is_model || name == b"[Content_Types].xml" || name == b"_rels/.rels" {
+            return true;
+        }
+        rest = after;
+    }
+    false
+}
+
+/// Returns the name of the first file in the bytes of a zip archive, and the bytes after that file:
+/// those of its content where its header lacks the size.
+fn first_of_archive(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
+    /// The size of the header, without its signature and the name.
+    const SIZE: usize = 26;
+    let header = bytes.strip_prefix(b"PK\x03\x04")?;
+    let number = |kind: Kind, at: usize| {
+        Some(kind.number(header.get(at..at + kind.size())?, false) as usize)
+    };
+    let (size, name, extra) =
+        (number(Kind::U32, 14)?, number(Kind::U16, 22)?, number(Kind::U16, 24)?);
+    let after = header.get((SIZE + name + extra).saturating_add(size)..);
+    Some((header.get(SIZE..SIZE + name)?, after.unwrap_or_default()))
 }
 
 pub(super) fn is_ply(head: &Head<'_>) -> bool {

@@ -46,11 +46,17 @@ pub enum MeshFormat {
 impl MeshFormat {
     /// Returns the format and the packing that the name of a file implies.
     pub(super) fn named(path: &Path) -> (Option<Self>, Packing) {
-        let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-        let (stem, packing) = Packing::of(&name);
-        let ending = stem.rsplit_once('.').map_or("", |(_, ending)| ending);
+        let ending = Self::ending(path);
         let mut all = FORMATS.iter().flat_map(|format| format.endings);
-        (all.find(|(known, _)| *known == ending).map(|(_, format)| *format), packing)
+        let format = all.find(|(known, _)| *known == ending).map(|(_, format)| *format);
+        (format, Packing::of(&name(path)).1)
+    }
+
+    /// Returns the ending of the name of a file, in lower case and without that of a packing.
+    pub(super) fn ending(path: &Path) -> String {
+        let name = name(path);
+        let (stem, _) = Packing::of(&name);
+        stem.rsplit_once('.').map_or("", |(_, ending)| ending).to_owned()
     }
 
     /// Returns the row of this format in the table of formats.
@@ -208,6 +214,11 @@ impl MeshFormat {
             }
         }
     }
+}
+
+/// Returns the name of a file in lower case.
+fn name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
 }
 
 /// Returns whether some vertex is in no face.

@@ -10,6 +10,7 @@ use super::attributes::{MeshFile, Scalars};
 use super::cursor::Cursor;
 use super::dataset::{Dataset, cell};
 use super::draft::{Checked, roomy};
+use super::format::MeshFormat;
 use super::stored::{Kind, whole};
 use catamaran::base::{Result, push};
 use catamaran::io::Source;
@@ -36,7 +37,7 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
 
 /// Reads the values or labels of vertices.
 pub(super) fn scalars(source: &mut Source<'_>) -> Result<Vec<Scalars>> {
-    let name = source.path().extension().unwrap_or_default().to_string_lossy().into_owned();
+    let name = MeshFormat::ending(source.path());
     let bytes = source.read_all()?;
     let mut cursor = Cursor::new(&bytes);
     let values =
@@ -97,8 +98,9 @@ fn surface(cursor: &mut Cursor<'_>) -> Checked<Dataset> {
     let (mut triangles, mut ends) = (Vec::new(), Vec::new());
     for quad in corners.chunks_exact(12) {
         let [a, b, c, d] = [0, 3, 6, 9].map(|at| short(&quad[at..]));
-        // FreeSurfer cuts along the one or the other diagonal, so that neighbours differ.
-        let cut = if a % 2.0 == 0.0 { [a, b, d, c, d, b] } else { [a, b, c, a, c, d] };
+        // FreeSurfer takes either diagonal, by this number; nibabel and MNE by the parity of `a`.
+        let which = ((1.9 * a).sqrt() + (3.5 * b).sqrt()).round();
+        let cut = if which % 2.0 == 0.0 { [a, b, d, c, d, b] } else { [a, b, c, a, c, d] };
         for corner in cut {
             push(&mut triangles, corner)?;
         }
@@ -132,6 +134,10 @@ fn values_of_vertices(cursor: &mut Cursor<'_>) -> Checked<Vec<f64>> {
         let count = whole(short(magic))?;
         cursor.bytes(3, "the number of faces")?;
         let values = cursor.numbers(count, Some((Kind::I16, true)), "the values")?;
+        // The old form has no other mark.
+        if !cursor.rest().is_empty() {
+            return Err("is no file of values of vertices".into());
+        }
         return Ok(values.into_iter().map(|x| x / 100.0).collect());
     }
     let vertices = integer(cursor, "the number of vertices")?;

@@ -34,6 +34,10 @@ pub(super) fn scalars(source: &mut Source<'_>) -> Result<Vec<Scalars>> {
     Ok(Reader::read(source)?.dataset.scalars())
 }
 
+/// The matrix of points that stay in their space.
+const IDENTITY: [f64; 16] =
+    [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+
 /// An array as the file describes it.
 struct Raw<'a> {
     intent: String,
@@ -44,6 +48,8 @@ struct Raw<'a> {
     is_big: bool,
     encoding: String,
     data: &'a [u8],
+    /// Whether a matrix takes the points to another space.
+    is_moved: bool,
 }
 
 #[derive(Default)]
@@ -72,13 +78,16 @@ impl Reader {
                 Event::Start(tag) if tag.name == b"DataArray" => array = Some(Raw::new(&tag)?),
                 Event::Start(_) => {}
                 Event::Text(text) => {
-                    let Some(array) = &mut array else { continue };
+                    // There may be blanks around CDATA.
+                    let text = text.trim_ascii();
+                    let Some(array) = array.as_mut().filter(|_| !text.is_empty()) else { continue };
                     match xml.open().last() {
                         Some(&b"Data") => array.data = text,
-                        Some(&b"Name") => key = text.trim_ascii(),
+                        Some(&b"Name") => key = text,
                         Some(&b"Value") if key == b"Name" => {
-                            array.name = unescaped(text.trim_ascii()).into_owned();
+                            array.name = unescaped(text).into_owned();
                         }
+                        Some(&b"MatrixData") => array.is_moved |= text_numbers(text)? != IDENTITY,
                         _ => {}
                     }
                 }
@@ -102,6 +111,10 @@ impl Reader {
         match (array.intent.as_str(), width) {
             ("NIFTI_INTENT_POINTSET", 3) if !self.has_points => {
                 self.has_points = true;
+                if array.is_moved {
+                    let what = "left out matrices that take the points to other spaces";
+                    self.dataset.draft.notes.add(what, String::new);
+                }
                 self.dataset.points(&values)
             }
             ("NIFTI_INTENT_TRIANGLE", 3) => {
@@ -117,7 +130,7 @@ impl Reader {
                 let short = intent.strip_prefix("NIFTI_INTENT_").unwrap_or(intent);
                 let named = !array.name.is_empty();
                 let name = if named { array.name } else { short.to_ascii_lowercase() };
-                let found = Array::named(name, width, values, array.kind);
+                let found = Array::named(name, width, values, array.kind)?;
                 let role = match (short, width) {
                     ("RGB_VECTOR", 3) | ("RGBA_VECTOR", 4) => Role::Colors,
                     _ => found.role,
@@ -154,19 +167,20 @@ impl<'a> Raw<'a> {
             is_big: tag.get("Endian").as_deref() == Some("BigEndian"),
             encoding: tag.need("Encoding")?.into_owned(),
             data: b"",
+            is_moved: false,
         })
     }
 
     /// Returns the numbers, row by row.
     fn values(&self, budget: &mut Budget<'_, '_>) -> Checked<Vec<f64>> {
         let size = self.shape.iter().fold(1, |size: usize, &n| size.saturating_mul(n));
+        budget.take_numbers(size)?;
         let values = match self.encoding.as_str() {
             "ASCII" => text_numbers(self.data)?,
             "Base64Binary" => self.kind.numbers(&from_base64(self.data)?, self.is_big)?,
             "GZipBase64Binary" => {
                 let mut bytes = Vec::new();
                 let length = size.saturating_mul(self.kind.size());
-                budget.take_numbers(size)?;
                 budget.inflate(&from_base64(self.data)?, length, &mut bytes)?;
                 self.kind.numbers(&bytes, self.is_big)?
             }
@@ -182,6 +196,9 @@ impl<'a> Raw<'a> {
             [rows, columns] if self.by_columns => {
                 let row = |i: usize| (0..columns).map(move |j| j * rows + i);
                 Ok((0..rows).flat_map(row).map(|at| values[at]).collect())
+            }
+            [_, _, _, ..] if self.by_columns => {
+                Err("ColumnMajorOrder of more than two dimensions is not supported".into())
             }
             _ => Ok(values),
         }

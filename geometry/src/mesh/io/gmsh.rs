@@ -9,14 +9,14 @@ use super::cursor::Cursor;
 use super::dataset::{Array, Dataset, cell};
 use super::draft::{Checked, Fault};
 use super::stored::{Budget, Kind, whole};
-use super::text::{count, quoted, words};
+use super::text::{count, quoted, without_mark, words};
 use catamaran::base::{Result, push, reserved};
 use catamaran::io::Source;
 
 pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
     let bytes = source.read_all()?;
     let mut reader = Reader {
-        cursor: Cursor::new(&bytes),
+        cursor: Cursor::new(without_mark(&bytes)),
         version: Version::Two,
         stored: None,
         vertices: HashMap::new(),
@@ -97,13 +97,17 @@ impl Reader<'_, '_> {
                 b"Elements" => self.elements()?,
                 b"NodeData" => match self.node_data() {
                     Err(Fault::What(what)) => {
-                        let line = self.cursor.line_number();
-                        let place = || format!("line {line} ({what})");
+                        let cursor = &self.cursor;
+                        let place = || format!("line {} ({what})", cursor.line_number());
                         let notes = &mut self.dataset.draft.notes;
                         notes.add("left out values of nodes that can't be read", place);
                     }
                     read => read?,
                 },
+                b"ElementData" | b"ElementNodeData" => {
+                    let notes = &mut self.dataset.draft.notes;
+                    notes.add("left out values of elements", String::new);
+                }
                 b"ParametricNodes" => return Err("parametric nodes are not supported".into()),
                 _ => {}
             }
@@ -144,7 +148,11 @@ impl Reader<'_, '_> {
         if is_binary {
             self.cursor.line();
             let one = self.cursor.bytes(4, "the byte order")?;
-            self.stored = Some(one == b"\0\0\0\x01");
+            self.stored = match one {
+                b"\x01\0\0\0" => Some(false),
+                b"\0\0\0\x01" => Some(true),
+                _ => return Err("the number after the version is not 1 in any byte order".into()),
+            };
         }
         Ok(())
     }
@@ -287,7 +295,10 @@ impl Reader<'_, '_> {
             }
         }
         let [_, width, count] = sizes;
-        if count == 0 || !(1..=MOST_VALUES).contains(&width) {
+        if !(1..=MOST_VALUES).contains(&width) {
+            return Err(format!("{width} values of a node").into());
+        }
+        if count == 0 {
             return Ok(());
         }
         // A value for each vertex, whatever the file gives.
@@ -303,7 +314,7 @@ impl Reader<'_, '_> {
             };
             values[v as usize * width..][..width].copy_from_slice(&row);
         }
-        let array = Array::named(name.unwrap_or_default(), width, values, Kind::F64);
+        let array = Array::named(name.unwrap_or_default(), width, values, Kind::F64)?;
         Ok(push(&mut self.dataset.arrays, array)?)
     }
 }

@@ -130,7 +130,7 @@ pub fn read_with(path: &Path, options: &SourceOptions<'_>) -> Result<MeshFile> {
         return Err(empty(path));
     }
     let (named, named_packing) = MeshFormat::named(path);
-    let packing = |head: &[u8]| detect::packing(head, named_packing);
+    let packing = |head: &[u8]| detect::packing(head, (named, named_packing));
     let mut source = Source::open_packed(path, packing, options)?;
     let head = source.peek(detect::LOOK)?;
     if head.is_empty() {
@@ -259,9 +259,9 @@ fn read_lines(source: &mut Source<'_>, format: MeshFormat, path: &Path) -> Resul
 pub fn read_scalars(path: &Path) -> Result<Vec<Scalars>> {
     let named = MeshFormat::named(path);
     let mut source =
-        Source::open_packed(path, |head| detect::packing(head, named.1), &SourceOptions::new())?;
+        Source::open_packed(path, |head| detect::packing(head, named), &SourceOptions::new())?;
     let head = source.peek(detect::LOOK)?;
-    let is_annotation = path.extension().is_some_and(|ending| ending == "annot");
+    let is_annotation = MeshFormat::ending(path) == "annot";
     let scalars = match detect::format(&head, source.size()) {
         _ if is_annotation => freesurfer::scalars(&mut source)?,
         Some(MeshFormat::Gifti) => gifti::scalars(&mut source)?,
@@ -280,14 +280,14 @@ pub fn read_scalars(path: &Path) -> Result<Vec<Scalars>> {
 /// ```
 /// use catamaran_geometry::mesh::io::names_scalars;
 ///
-/// assert!(names_scalars("lh.thickness".as_ref()) && names_scalars("a.shape.gii".as_ref()));
+/// assert!(names_scalars("lh.thickness".as_ref()) && names_scalars("a.shape.gii.gz".as_ref()));
 /// assert!(!names_scalars("a.csv".as_ref()));
 /// ```
 pub fn names_scalars(path: &Path) -> bool {
-    let ending = path.extension().unwrap_or_default().to_string_lossy();
-    let mesh = matches!(&*ending, "gii" | "vtk" | "vtp" | "vtu" | "msh");
+    let ending = MeshFormat::ending(path);
+    let mesh = matches!(&ending[..], "gii" | "vtk" | "vtp" | "vtu" | "msh");
     let freesurfer = matches!(
-        &*ending,
+        &ending[..],
         "annot" | "area" | "avg_curv" | "curv" | "sulc" | "thickness" | "volume"
     );
     mesh || freesurfer

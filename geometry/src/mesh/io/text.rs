@@ -17,6 +17,11 @@ pub(super) fn of_utf16(bytes: &[u8]) -> Option<Vec<u8>> {
     Some(text.into_bytes())
 }
 
+/// Returns text in UTF-8 without its byte order mark.
+pub(super) fn without_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
+}
+
 /// Returns whether the lines of a file that begins so end in a carriage return alone.
 pub(super) fn ends_in_returns(head: &[u8]) -> bool {
     let head = &head[..head.len().min(LOOK)];

@@ -3,7 +3,7 @@
 //! Format: "3D Manufacturing Format, core specification 1.3" and "production extension 1.1"
 //! (3mf.io).
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::io::{self, Cursor, Read, Write};
 use std::rc::Rc;
 
@@ -12,10 +12,10 @@ use zip::{ZipArchive, ZipWriter};
 
 use super::super::TriMesh;
 use super::attributes::MeshFile;
-use super::draft::{Checked, Draft};
+use super::draft::{Checked, Draft, Numbers};
 use super::gltf::Transform;
 use super::stored::Budget;
-use super::text::{count, number, words};
+use super::text::{count, number, of_utf16, words};
 use super::xml::{Event, Tag, Xml};
 use catamaran::base::{Result, push};
 use catamaran::io::Source;
@@ -51,15 +51,14 @@ struct Object {
 }
 
 impl Object {
-    /// Adds a vertex, a triangle or a component; other elements are skipped.
-    fn add(&mut self, name: &[u8], tag: &Tag<'_>, part: &str, scale: f64) -> Checked<()> {
-        match name {
+    /// Adds a vertex or a triangle; other elements are skipped.
+    fn add(&mut self, tag: &Tag<'_>, scale: f64) -> Checked<()> {
+        match tag.name {
             b"vertex" => {
                 let x = |name: &str| number(tag.bytes(name)?);
                 push(&mut self.vertices, [x("x")?, x("y")?, x("z")?].map(|x| scale * x))?;
             }
             b"triangle" => push(&mut self.faces, triangle(tag, self.vertices.len())?)?,
-            b"component" => push(&mut self.components, placed(tag, part, scale)?)?,
             _ => {}
         }
         Ok(())
@@ -68,8 +67,8 @@ impl Object {
 
 /// An object in its place.
 struct Item {
-    /// The name of the part of the archive that has the object, and its number there.
-    object: (String, String),
+    /// The part of the archive that has the object, and its number there.
+    object: (u32, usize),
     transform: Transform,
 }
 
@@ -77,11 +76,11 @@ struct Item {
 struct Package<'p, 's, 'a> {
     archive: ZipArchive<Cursor<&'p [u8]>>,
     budget: &'p mut Budget<'s, 'a>,
-    objects: HashMap<(String, String), Rc<Object>>,
+    objects: HashMap<(u32, usize), Rc<Object>>,
     items: Vec<Item>,
-    /// The parts to read, and those that were among them.
+    /// The names of the parts to read, the root first, and their numbers.
     parts: Vec<String>,
-    known: HashSet<String>,
+    numbers: Numbers<String>,
     /// Millimetres in a unit of the file.
     scale: f64,
     unit: String,
@@ -98,28 +97,30 @@ impl<'p, 's, 'a> Package<'p, 's, 'a> {
             objects: HashMap::new(),
             items: Vec::new(),
             parts: Vec::new(),
-            known: HashSet::new(),
+            numbers: Numbers::default(),
             scale: 1.0,
             unit: "millimeter".into(),
         };
         let root = package.root()?;
-        package.want(&root);
-        while let Some(part) = package.parts.pop() {
-            let text = package.part(&part)?;
+        let mut part = package.want(root)?;
+        while let Some(name) = package.parts.get(part as usize).cloned() {
+            let text = package.part(&name)?;
             let mut xml = Xml::new(&text);
-            let read = package.model(&mut xml, &part, part == root);
-            let place = || format!("{part}:{}", xml.cursor.line_number());
+            let read = package.model(&mut xml, part);
+            let place = || format!("{name}:{}", xml.cursor.line_number());
             read.map_err(|fault| fault.of(place))?;
+            part += 1;
         }
         Ok(package)
     }
 
-    /// Adds a part to those to read, unless it is one of them.
-    fn want(&mut self, part: &str) {
-        if !self.known.contains(part) {
-            self.known.insert(part.to_owned());
-            self.parts.push(part.to_owned());
+    /// Returns the number of a part, which is added to those to read unless it is one of them.
+    fn want(&mut self, name: String) -> Checked<u32> {
+        let (number, is_new) = self.numbers.of(name.clone())?;
+        if is_new {
+            push(&mut self.parts, name)?;
         }
+        Ok(number)
     }
 
     /// Returns the content of a part.
@@ -137,7 +138,7 @@ impl<'p, 's, 'a> Package<'p, 's, 'a> {
         if content.len() > size {
             return Err(format!("{name}: unpacks to more than {size} bytes").into());
         }
-        Ok(content)
+        Ok(of_utf16(&content).unwrap_or(content))
     }
 
     /// Returns the name of the part that has the model.
@@ -156,17 +157,20 @@ impl<'p, 's, 'a> Package<'p, 's, 'a> {
     }
 
     /// Reads a part with objects, and the items of the root.
-    fn model(&mut self, xml: &mut Xml<'_>, part: &str, is_root: bool) -> Checked<()> {
+    fn model(&mut self, xml: &mut Xml<'_>, part: u32) -> Checked<()> {
+        let is_root = part == 0;
         let mut scale = 1.0;
         // The object that is being read, and its number.
-        let mut open: Option<(String, Object)> = None;
+        let mut open: Option<(usize, Object)> = None;
         let mut is_model = false;
         while let Some(event) = xml.next()? {
             let tag = match event {
                 Event::Start(tag) => tag,
                 Event::End(b"object") => {
-                    if let Some((id, object)) = open.take() {
-                        self.objects.insert((part.to_owned(), id), Rc::new(object));
+                    if let Some((id, object)) = open.take()
+                        && self.objects.insert((part, id), Rc::new(object)).is_some()
+                    {
+                        return Err(format!("object {id} exists twice").into());
                     }
                     continue;
                 }
@@ -182,24 +186,43 @@ impl<'p, 's, 'a> Package<'p, 's, 'a> {
                         (self.scale, self.unit) = (scale, unit.into_owned());
                     }
                 }
-                b"object" => open = Some((tag.need("id")?.into_owned(), Object::default())),
+                b"object" => open = Some((count(tag.bytes("id")?)?, Object::default())),
                 b"item" if is_root => {
-                    let item = placed(&tag, part, scale)?;
-                    self.want(&item.object.0);
+                    let item = self.placed(&tag, part, scale)?;
                     push(&mut self.items, item)?;
                 }
                 name => {
                     let Some((id, object)) = &mut open else { continue };
                     let at = object.vertices.len() + object.faces.len();
-                    let added = object.add(name, &tag, part, scale);
+                    let added = if name == b"component" {
+                        let item = self.placed(&tag, part, scale);
+                        item.and_then(|item| Ok(push(&mut object.components, item)?))
+                    } else {
+                        object.add(&tag, scale)
+                    };
                     added.map_err(|fault| fault.of(|| format!("object {id}, element {at}")))?;
-                    if let (b"component", Some(item)) = (name, object.components.last()) {
-                        self.want(&item.object.0);
-                    }
                 }
             }
         }
         if is_model { Ok(()) } else { Err("has no <model>".into()) }
+    }
+
+    /// Returns the object that an item or a component of a part names, and its place.
+    fn placed(&mut self, tag: &Tag<'_>, part: u32, scale: f64) -> Checked<Item> {
+        let id = count(tag.bytes("objectid")?)?;
+        let part = match tag.get("path") {
+            Some(path) => self.want(plain(&path))?,
+            None => part,
+        };
+        let mut transform = Transform::IDENTITY;
+        if let Some(text) = tag.get("transform") {
+            let numbers: Vec<f64> = words(text.as_bytes()).map(number).collect::<Checked<_>>()?;
+            let (&[x, y, z, origin], []) = numbers.as_chunks::<3>() else {
+                return Err(format!("a transform has 12 numbers, not {}", numbers.len()).into());
+            };
+            transform = Transform::new([x, y, z], origin.map(|x| scale * x));
+        }
+        Ok(Item { object: (part, id), transform })
     }
 
     /// Adds the items of the build to a mesh.
@@ -287,25 +310,10 @@ fn triangle(tag: &Tag<'_>, vertices: usize) -> Checked<[u32; 3]> {
     Ok(face)
 }
 
-/// Returns the object that an item or a component of a part names, and its place.
-fn placed(tag: &Tag<'_>, part: &str, scale: f64) -> Checked<Item> {
-    let id = tag.need("objectid")?.into_owned();
-    let part = tag.get("path").map_or_else(|| part.to_owned(), |path| plain(&path));
-    let mut transform = Transform::IDENTITY;
-    if let Some(text) = tag.get("transform") {
-        let numbers: Vec<f64> = words(text.as_bytes()).map(number).collect::<Checked<_>>()?;
-        let (&[x, y, z, origin], []) = numbers.as_chunks::<3>() else {
-            return Err(format!("a transform has 12 numbers, not {}", numbers.len()).into());
-        };
-        transform = Transform::new([x, y, z], origin.map(|x| scale * x));
-    }
-    Ok(Item { object: (part, id), transform })
-}
-
 /// Writes the mesh as one object, in millimetres, with every digit.
 pub(super) fn write(sink: &mut dyn Write, mesh: &TriMesh) -> io::Result<()> {
     // Sizes of 4 GiB and more.
-    let is_large = mesh.faces().len().max(mesh.vertices().len()) > 1 << 25;
+    let is_large = mesh.faces().len() + mesh.vertices().len() > 1 << 25;
     let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
     let mut part = |name: &str, body: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>| {
         let options = SimpleFileOptions::default().large_file(is_large);

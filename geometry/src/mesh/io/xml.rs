@@ -92,9 +92,11 @@ impl<'a> Xml<'a> {
             } else if rest.starts_with(b"<?") {
                 self.until(2, b"?>")?;
             } else if rest.starts_with(b"<!") {
-                let mut quote = rest.iter().take_while(|&&byte| byte != b'>');
-                let end: &[u8] = if quote.any(|&byte| byte == b'[') { b"]>" } else { b">" };
-                self.until(2, end)?;
+                let mut start = rest.iter().take_while(|&&byte| byte != b'>');
+                if start.any(|&byte| byte == b'[') {
+                    self.until(2, b"]")?;
+                }
+                self.until(0, b">")?;
             } else if rest.starts_with(b"</") {
                 let name = local(self.until(2, b">")?.trim_ascii());
                 return match self.open.pop() {
@@ -256,7 +258,7 @@ mod tests {
 
     #[test]
     fn elements_text_and_entities_are_read() {
-        let text = "<?xml version='1.0'?><!DOCTYPE x [<!ENTITY b \"c\">]><!-- <no> -->\
+        let text = "<?xml version='1.0'?><!DOCTYPE x [<!ENTITY b \"c\">] ><!-- <no> -->\
                     <n:x a = '&lt;&#65;&#x42;&b;' c=\"1\"><y/>1 &amp; 2<![CDATA[<&]]></n:x>";
         let expected = ["<x <AB&b;>", "<y>", "</y>", "1 & 2", "<&", "</x>"];
         assert_eq!(parts(text).unwrap(), expected);

@@ -9,6 +9,7 @@ use serde::Deserialize;
 
 use super::super::draft::{Checked, Fault};
 use super::super::stored::from_base64;
+use super::super::text::without_mark;
 use super::document::{Asset, Buffer, Document};
 use super::extensions::{self, check_required, unsupported};
 use catamaran::io::Source;
@@ -34,7 +35,7 @@ impl Content {
         } else {
             (&bytes[..], None, true)
         };
-        let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
+        let json = without_mark(json);
         let document: Document = serde_json::from_slice(json).map_err(|e| {
             // Documents of version 1 have the same names with other contents.
             let found: Option<Versioned> = serde_json::from_slice(json).ok();

@@ -5,14 +5,14 @@ use super::super::cursor::Cursor;
 use super::super::dataset::{Array, Dataset, Role, cell};
 use super::super::draft::Checked;
 use super::super::stored::{Kind, whole};
-use super::super::text::{count, quoted, words};
+use super::super::text::{count, quoted, without_mark, words};
 use catamaran::base::{Result, push};
 use catamaran::io::Source;
 
 pub(in super::super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
     let bytes = source.read_all()?;
-    let mut reader =
-        Reader { cursor: Cursor::new(&bytes), is_binary: false, dataset: Dataset::default() };
+    let cursor = Cursor::new(without_mark(&bytes));
+    let mut reader = Reader { cursor, is_binary: false, dataset: Dataset::default() };
     match reader.read() {
         Ok(()) => reader.dataset.finish(),
         Err(fault) => Err(reader.cursor.fail(fault, source)),
@@ -159,8 +159,8 @@ impl Reader<'_> {
         if next.eq_ignore_ascii_case(b"OFFSETS") {
             let line = self.cursor.full_line().unwrap_or_default();
             let mut ends = self.values(lists, operand(line, 1)?, "offsets of cells")?;
-            if !ends.is_empty() {
-                ends.remove(0);
+            if !ends.is_empty() && ends.remove(0) != 0.0 {
+                return Err("the first of the offsets of cells is not 0".into());
             }
             let line = self.cursor.full_line().unwrap_or_default();
             if !operand(line, 0)?.eq_ignore_ascii_case(b"CONNECTIVITY") {
@@ -181,7 +181,10 @@ impl Reader<'_> {
             push(&mut ends, corners.len() as f64)?;
             rest = after;
         }
-        Ok((corners, ends))
+        match rest.len() {
+            0 => Ok((corners, ends)),
+            left => Err(format!("{left} numbers come after those of the {lists} cells").into()),
+        }
     }
 
     /// Reads the arrays of `count` vertices or cells, up to the next section. Returns whether the
@@ -253,7 +256,7 @@ impl Reader<'_> {
             let is_color = role != Some(Role::Colors) || matches!(width, 3 | 4);
             if of_points {
                 let role = role.filter(|_| is_wide && is_color);
-                self.keep(name, role, width, values, stored);
+                self.keep(name, role, width, values, stored)?;
             } else {
                 self.dataset.draft.notes.add("left out values of cells", || decoded(name));
             }
@@ -273,10 +276,10 @@ impl Reader<'_> {
         width: usize,
         values: Vec<f64>,
         kind: Kind,
-    ) {
-        let array = Array::named(decoded(name), width, values, kind);
+    ) -> Checked<()> {
+        let array = Array::named(decoded(name), width, values, kind)?;
         let role = role.unwrap_or(array.role);
-        self.dataset.arrays.push(Array { role, ..array });
+        Ok(push(&mut self.dataset.arrays, Array { role, ..array })?)
     }
 
     /// Skips the line of a table of colours after SCALARS, if it is there.
@@ -310,7 +313,7 @@ impl Reader<'_> {
             };
             let values = self.values(width.saturating_mul(rows), kind, "an array of a field")?;
             if points == Some(rows) {
-                self.keep(operand(line, 0)?, None, width, values, stored);
+                self.keep(operand(line, 0)?, None, width, values, stored)?;
             }
         }
         Ok(true)

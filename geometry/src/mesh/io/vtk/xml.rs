@@ -55,6 +55,8 @@ struct Document<'a> {
     arrays: Vec<Raw<'a>>,
     /// The appended data, and whether they are in base64.
     appended: Option<(&'a [u8], bool)>,
+    /// Where arrays of the appended data begin, in ascending order.
+    starts: Vec<usize>,
 }
 
 impl<'a> Document<'a> {
@@ -65,6 +67,7 @@ impl<'a> Document<'a> {
             is_packed: false,
             arrays: Vec::new(),
             appended: None,
+            starts: Vec::new(),
         };
         let mut pieces = 0;
         let mut is_vtk = false;
@@ -110,6 +113,12 @@ impl<'a> Document<'a> {
                 Event::End(_) => {}
             }
         }
+        for array in &document.arrays {
+            if let Place::Appended(start) = array.place {
+                push(&mut document.starts, start)?;
+            }
+        }
+        document.starts.sort_unstable();
         if is_vtk { Ok(document) } else { Err("has no <VTKFile>".into()) }
     }
 
@@ -137,7 +146,7 @@ impl<'a> Document<'a> {
         let pieces = self.arrays.chunk_by(|a, b| a.piece == b.piece);
         // Arrays before the first piece are not of vertices.
         let pieces = pieces.filter(|piece| piece[0].piece > 0);
-        for (number, piece) in pieces.enumerate() {
+        for piece in pieces {
             let base = dataset.draft.vertices.len();
             let mut values = |section: &[u8], name: &str| -> Checked<Option<Vec<f64>>> {
                 let found = |raw: &&Raw<'_>| {
@@ -148,6 +157,7 @@ impl<'a> Document<'a> {
             if let Some(points) = values(b"Points", "")? {
                 dataset.points(&points)?;
             }
+            let own = dataset.draft.vertices.len() - base;
             let sections: [(&[u8], usize); 5] = [
                 (b"Polys", cell::POLYGON),
                 (b"Strips", cell::STRIP),
@@ -156,9 +166,14 @@ impl<'a> Document<'a> {
                 (b"Cells", cell::OTHER),
             ];
             for (section, kind) in sections {
-                let corners = values(section, "connectivity")?;
-                let (Some(corners), Some(ends)) = (corners, values(section, "offsets")?) else {
-                    continue;
+                let lists = (values(section, "connectivity")?, values(section, "offsets")?);
+                let (corners, ends) = match lists {
+                    (Some(corners), Some(ends)) => (corners, ends),
+                    (None, None) => continue,
+                    _ => {
+                        let section = String::from_utf8_lossy(section).into_owned();
+                        return Err(format!("<{section}> lacks connectivity or offsets").into());
+                    }
                 };
                 let kinds = values(section, "types")?;
                 dataset.cells(&corners, &ends, base, |i| match &kinds {
@@ -176,14 +191,18 @@ impl<'a> Document<'a> {
             let of_numbers = of_points.filter_map(|raw| Some((raw, raw.kind?)));
             for (i, (raw, kind)) in of_numbers.enumerate() {
                 let values = self.values(raw, budget)?;
-                if number > 0 {
-                    // Pieces have the same arrays in the same order.
-                    if let Some(known) = dataset.arrays.get_mut(i).filter(|a| a.name == raw.name) {
-                        known.values.extend(values);
-                    }
+                // Pieces have the same arrays in the same order. Others lack values of vertices.
+                let fits = |known: &&mut Array| {
+                    known.name == raw.name
+                        && known.width == raw.width
+                        && known.values.len() == base * raw.width
+                        && values.len() == own * raw.width
+                };
+                if let Some(known) = dataset.arrays.get_mut(i).filter(fits) {
+                    known.values.extend(values);
                     continue;
                 }
-                let array = Array::named(raw.name.clone(), raw.width, values, kind);
+                let array = Array::named(raw.name.clone(), raw.width, values, kind)?;
                 let role = raw.role.unwrap_or(array.role);
                 push(&mut dataset.arrays, Array { role, ..array })?;
             }
@@ -210,11 +229,9 @@ impl<'a> Document<'a> {
                 let data = data.get(start..).ok_or_else(beyond)?;
                 if is_base64 {
                     // Up to the next array.
-                    let others = self.arrays.iter().filter_map(|other| match other.place {
-                        Place::Appended(other) if other > start => Some(other - start),
-                        _ => None,
-                    });
-                    let length = others.min().unwrap_or(data.len()).min(data.len());
+                    let next = self.starts.partition_point(|&other| other <= start);
+                    let next = self.starts.get(next).map_or(data.len(), |next| next - start);
+                    let length = next.min(data.len());
                     budget.take(length)?;
                     decoded = from_base64(&data[..length])?;
                     &decoded[..]
@@ -281,6 +298,9 @@ impl<'a> Raw<'a> {
             Some(width) => count(width.trim().as_bytes())?,
             None => 1,
         };
+        if section == b"Points" && !matches!(width, 1 | 3) {
+            return Err(format!("points of {width} coordinates, where 3 are needed").into());
+        }
         let is = |role: &Option<Cow<'a, str>>| role.as_deref() == Some(name.as_str());
         let role = match width {
             3 if is(&roles[0]) => Some(Role::Normals),
