@@ -134,10 +134,17 @@ pub fn eigsh<'py>(
     let mut options = laplacian_options(kind, mass, boundary, par)?;
     let (mut way, surface) = (search.way(py)?, Surface::new(v, f, weld)?);
     options.boundary = surface.boundary(options.boundary);
+    if let Way::Coarse(weights) = &way
+        && weights.rows() != surface.vertices()
+    {
+        let (n, rows) = (surface.vertices(), weights.rows());
+        let why = format_args!("expected a row for each of {n} vertices, got {rows}");
+        return Err(refused("prolongation", why));
+    }
     let (pairs, pieces) = run(py, Length::Long, progress, move |progress| {
         let found = laplacian(&surface.mesh, &options)?;
         if let Way::Coarse(weights) = &mut way {
-            *weights = of_rows(weights, &found.kept, surface.firsts())?;
+            *weights = of_rows(weights, &found.kept, surface.firsts());
         }
         let extend = |mut vectors: Mat<f64>| -> catamaran::Result<Mat<f64>> {
             if found.kept.len() < found.vertices {
@@ -154,19 +161,10 @@ pub fn eigsh<'py>(
 
 /// The rows of a prolongation that belong to the rows of the matrices: `kept` vertices of the mesh,
 /// which are the `firsts` of the caller.
-fn of_rows(
-    weights: &CsMat<f64>,
-    kept: &[usize],
-    firsts: impl Fn(usize) -> usize,
-) -> catamaran::Result<CsMat<f64>> {
-    let (n, columns) = weights.shape();
+fn of_rows(weights: &CsMat<f64>, kept: &[usize], firsts: impl Fn(usize) -> usize) -> CsMat<f64> {
     let rows: Vec<usize> = kept.iter().map(|&v| firsts(v)).collect();
-    if let Some(row) = rows.iter().find(|&&row| row >= n) {
-        let why = format!("no row for vertex {row}: it has {n} rows");
-        return Err(Error::Argument { what: "prolongation", why });
-    }
-    let all: Vec<Option<usize>> = (0..columns).map(Some).collect();
-    Ok(select(weights.view(), &rows, &all, columns))
+    let all: Vec<Option<usize>> = (0..weights.cols()).map(Some).collect();
+    select(weights.view(), &rows, &all, all.len())
 }
 
 /// Eigenpairs of a sparse symmetric matrix, and the number of components of its graph whose rows

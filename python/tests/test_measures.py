@@ -99,6 +99,23 @@ def test_meshes_are_compared_both_ways():
     assert same.out.largest < 1e-9 and same.out == same.back
     with pytest.raises(ValueError, match="mesh: has no face"):
         sphere.compare(Mesh(sphere.v, sphere.f[:0]))
+    for wrong in (None, sphere.v, (sphere.v,)):
+        with pytest.raises(TypeError, match="other: expected a mesh, or vertices and faces"):
+            sphere.compare(wrong)
+
+
+def test_sizes_beyond_the_range_of_areas_are_refused():
+    sphere = shapes.icosphere(0)
+    v = sphere.v.copy()
+    v[3] *= 1e80
+    far = Mesh(v, sphere.f)
+    names = "area volume face_areas vertex_areas qualities face_normals vertex_normals".split()
+    calls = [lambda name=name: getattr(far, name) for name in names]
+    calls += [far.quality, lambda: far.compare(sphere), lambda: sphere.compare(far)]
+    for call in calls:
+        with pytest.raises(ValueError, match="vertex 3: position .* is out of range"):
+            call()
+    assert far.edges.shape == (30, 2) and far.boundary_loops == []
 
 
 def test_quality_and_difference_of_a_decimation():
@@ -157,6 +174,18 @@ def test_isosurfaces_are_where_the_values_say():
         catamaran.isosurface(values, step=(0.1, 0.0, 0.1))
     with pytest.raises(ValueError, match="values: not finite"):
         catamaran.isosurface(np.full((2, 2, 2), np.nan))
+    with pytest.raises(ValueError, match="level: must not be NaN"):
+        catamaran.isosurface(values, np.nan)
+
+
+def test_values_of_any_type_and_order_are_one_function():
+    rng = np.random.default_rng(3)
+    values = rng.integers(-9, 9, (4, 5, 6))
+    right = catamaran.isosurface(values, 0.5)
+    orders = [np.asfortranarray(values, float), np.array(values, float), values.astype("f4")]
+    for same in [*orders, np.repeat(values.astype(float), 2, axis=1)[:, ::2]]:
+        found = catamaran.isosurface(same, 0.5)
+        assert np.array_equal(found.v, right.v) and np.array_equal(found.f, right.f)
 
 
 def test_files_in_memory_are_those_on_disk(tmp_path):
@@ -181,5 +210,5 @@ def test_files_in_memory_are_those_on_disk(tmp_path):
     assert np.array_equal(more["colors"][:, :3], np.round(colors))
     with pytest.raises(OSError, match="mesh.ply"):
         catamaran.mesh_from_bytes(b"OFF\n0 0 0\n", "ply")
-    with pytest.raises(ValueError, match="text: glTF"):
+    with pytest.raises(ValueError, match="text: this format has no text"):
         catamaran.mesh_to_bytes(DISK, "glb", text=True)

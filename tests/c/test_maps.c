@@ -396,6 +396,7 @@ static void test_details(size_t count)
     CHECK_STATUS(cata_transfer_details(V, positions, F, corners, V, positions, 1, beyond, few, few, many, many,
                                        CATA_COL_MAJOR, map, MANY, moved, NULL),
                  CATA_ERR_MESH);
+    CHECK_MENTIONS("target: face 0");
     CHECK_STATUS(cata_transfer_details(V - 1, positions, 0, corners, V, positions, F, corners, few, few, many,
                                        many, CATA_COL_MAJOR, map, MANY, moved, NULL),
                  CATA_ERR_SHAPE);

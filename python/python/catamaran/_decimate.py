@@ -72,7 +72,7 @@ class Decimated(NamedTuple):
 
     def difference(self, mesh: MeshLike, *, threads: Optional[int] = None) -> Difference:
         """Measure distances between a mesh, such as the input, and the result."""
-        return Difference(*_catamaran.difference(needed(mesh), self.mesh, threads))
+        return Difference(*_catamaran.difference(needed("mesh", mesh), self.mesh, threads))
 
 
 @takes_mesh

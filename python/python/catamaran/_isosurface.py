@@ -51,7 +51,7 @@ def isosurface(
     Raises
     ------
     ValueError
-        For a value that is NaN, or a step that is not positive.
+        For a value or a level that is NaN, or a step that is not positive.
 
     Examples
     --------
@@ -62,7 +62,11 @@ def isosurface(
     >>> ball.validate().genus, round(ball.volume)  # 4 / 3 pi
     (0, 4)
     """
-    flat, lattice = of_lattice("values", np.asarray(values), origin, step, open, threads)
+    numbers = np.asarray(values)
+    if numbers.dtype == np.float64:
+        # One copy, in the order and the precision of the extension.
+        numbers = numbers.astype(np.float32, order="F")
+    flat, lattice = of_lattice("values", numbers, origin, step, open, threads)
     return Mesh(*_catamaran.isosurface(flat, level, lattice, callback(progress)))
 
 

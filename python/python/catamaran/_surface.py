@@ -161,7 +161,7 @@ class Mesh(NamedTuple):
 
         Distances are those of the vertices, and of 100,000 points spread over each surface.
         """
-        out, back = _catamaran.compare(self, needed(other), threads)
+        out, back = _catamaran.compare(self, needed("other", other), threads)
         return Comparison(OneSided(*out), OneSided(*back))
 
     def submesh(self, faces: ArrayLike) -> Part:
@@ -235,9 +235,13 @@ class Refined(NamedTuple):
         values : array_like, a row for each vertex of the coarse mesh
             Colours, functions, or other numbers.
         """
-        found: NDArray[Any] = np.einsum(
-            "ij,ij...->i...", self.weights, np.asarray(values)[self.vertices]
-        )
+        given = np.asarray(values)
+        count = int(self.vertices.max(initial=-1)) + 1
+        if given.ndim == 0 or len(given) < count:
+            raise ValueError(
+                f"values: expected a row for each vertex, at least {count}, got {given.shape}"
+            )
+        found: NDArray[Any] = np.einsum("ij,ij...->i...", self.weights, given[self.vertices])
         return found
 
 
@@ -298,10 +302,13 @@ def mesh_arrays(mesh: Any) -> Optional[Tuple[Any, Any]]:
     return None
 
 
-def needed(mesh: Any) -> Tuple[Any, Any]:
+def needed(name: str, mesh: Any) -> Tuple[Any, Any]:
     """Return vertices and faces of a mesh, or of a pair of them."""
-    v, f = mesh_arrays(mesh) or mesh
-    return v, f
+    found = mesh_arrays(mesh) or mesh
+    if not isinstance(found, (tuple, list)) or len(found) != 2:
+        kind = type(mesh).__name__
+        raise TypeError(f"{name}: expected a mesh, or vertices and faces, got {kind}")
+    return found[0], found[1]
 
 
 F = TypeVar("F", bound=Callable[..., Any])
