@@ -43,7 +43,7 @@ __all__ = [
 
 
 def read_mesh(path: Path, *, attributes: bool = False) -> Any:
-    """Read a mesh, in a format of docs/guide/mesh-files.md, also with .gz or .xz after it.
+    """Read a mesh, in a format of docs/guide/mesh-files.md, also packed (.gz, .xz, .zst, .zip).
 
     Parameters
     ----------
