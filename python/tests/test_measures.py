@@ -180,6 +180,24 @@ def test_isosurfaces_are_where_the_values_say():
         catamaran.isosurface(values, np.nan)
 
 
+def test_masked_entries_are_refused():
+    def masked(values):
+        return np.ma.array(values, mask=np.arange(np.size(values)).reshape(np.shape(values)) == 0)
+
+    refined = catamaran.place(DISK, [0], [[0.2, 0.3, 0.5]]).refined
+    calls = [
+        ("values", lambda: catamaran.isosurface(masked(np.ones((2, 2, 2))))),
+        ("labels", lambda: catamaran.label_surface(masked(np.ones((2, 2, 2))), 1)),
+        ("region", lambda: catamaran.region_boundary(DISK, masked(DISK.face_areas > 0))),
+        ("values", lambda: refined.carried(masked(DISK.v[:, 0]))),
+        ("uv", lambda: catamaran.mesh_to_bytes(DISK, "ply", uv=masked(DISK.v[DISK.f][:, :, :2]))),
+        ("values", lambda: catamaran.decimate(TORUS, 200).carried(TORUS.f, masked(TORUS.v))),
+    ]
+    for name, call in calls:
+        with pytest.raises(ValueError, match=f"{name}: 1 entries are masked"):
+            call()
+
+
 def test_values_of_any_type_and_order_are_one_function():
     rng = np.random.default_rng(3)
     values = rng.integers(-9, 9, (4, 5, 6))

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
-from ._options import Progress, callback, to_nearest, to_scipy
+from ._options import Progress, callback, matrix_of, to_nearest, to_scipy
 from ._surface import Mesh, MeshLike, needed, takes_mesh
 from ._words import Reduction
 
@@ -61,7 +61,7 @@ class Decimated(NamedTuple):
         values : array_like, a row for each vertex of the input
             Colours, functions, or other numbers; texture coordinates if the mesh has no seams.
         """
-        corners = np.asarray(values)[np.asarray(f)[self.origin.face]]
+        corners = matrix_of("values", values)[np.asarray(f)[self.origin.face]]
         found: NDArray[Any] = np.einsum("ij,ij...->i...", self.origin.barycentric, corners)
         return found
 

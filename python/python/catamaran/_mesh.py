@@ -16,6 +16,7 @@ from ._options import (
     csr,
     is_sparse,
     mass_of,
+    matrix_of,
     to_scipy,
     warn_caller,
     warn_of_pieces,
@@ -134,7 +135,7 @@ def write_mesh(
     if mesh is None:
         raise TypeError("f: missing, and v is not a mesh")
     if uv is not None:
-        uv = np.asarray(uv, dtype=np.float64)
+        uv = np.asarray(matrix_of("uv", uv), dtype=np.float64)
     warn(path, _catamaran.write_mesh(path, mesh[0], mesh[1], colors, uv, overwrite, text))
 
 
@@ -191,7 +192,7 @@ def mesh_to_bytes(
     b'OFF\\n4 2 '
     """
     if uv is not None:
-        uv = np.asarray(uv, dtype=np.float64)
+        uv = np.asarray(matrix_of("uv", uv), dtype=np.float64)
     data, notes = _catamaran.mesh_to_bytes(v, f, format, colors, uv, text)
     warn(f"mesh.{format}", notes)
     return data

@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
 from ._measure import Comparison, OneSided, Quality, Validation
-from ._options import to_nearest
+from ._options import matrix_of, to_nearest
 from ._show import axes
 
 __all__ = ["Mesh", "MeshLike", "Part", "Refined", "mesh_arrays", "takes_mesh", "with_mesh"]
@@ -235,7 +235,7 @@ class Refined(NamedTuple):
         values : array_like, a row for each vertex of the coarse mesh
             Colours, functions, or other numbers.
         """
-        given = np.asarray(values)
+        given = matrix_of("values", values)
         count = int(self.vertices.max(initial=-1)) + 1
         if given.ndim == 0 or len(given) < count:
             raise ValueError(
