@@ -11,7 +11,8 @@ use catamaran::{Plan, Uplo};
 /// Describes how cata_ata_f64 computes A^T A for the same m, n and params: the recursion, its tasks
 /// and scratch, and the expected seconds on one core.
 ///
-/// `size`, `text`: so many elements, written: lines of text, cut to fit, with a NUL; 2048 is enough.
+/// `size`, `text`: so many elements, written: lines of text, cut to fit, with a NUL; 2048 is
+/// enough.
 ///
 /// # Safety
 /// The pointers are as described.

@@ -321,7 +321,8 @@ pub unsafe extern "C" fn cata_map_points(
 /// products is not in memory. C must be nearly exact; from points, cata_map_from_points of the
 /// products is more accurate.
 ///
-/// - `source_eigen`, `target_eigen`: of cata_basis_new, the constants among them; `c`: between them.
+/// - `source_eigen`, `target_eigen`: of cata_basis_new, the constants among them; `c`: between
+///   them.
 /// - `source`, `target`: of cata_basis_products of these, with the same order; `o`: written.
 /// - `of_all`: 0: column by column, of the products that are kept (equation 1.18). 1: the least
 ///   squares over all products (equation 1.16).

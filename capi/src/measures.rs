@@ -154,8 +154,8 @@ pub unsafe extern "C" fn cata_mesh_quality(
 ///   distance, of vertices and of 100,000 points spread by area, from the other surface; the mean
 ///   distance of these points; and the mean angle between the normals there, in degrees.
 /// - `hausdorff`: written: the largest distance of a vertex of either mesh from the other surface.
-/// - `chamfer`: written: the mean square of the distances of the vertices of one mesh from the other
-///   surface, plus the same in the other direction.
+/// - `chamfer`: written: the mean square of the distances of the vertices of one mesh from the
+///   other surface, plus the same in the other direction.
 ///
 /// # Safety
 /// The pointers are as described.

@@ -63,8 +63,8 @@ pub unsafe extern "C" fn cata_mesh_edges(
 /// Finds the connected components of a mesh, numbered from 0 by their lowest vertex: two faces with
 /// a common vertex are in the same one.
 ///
-/// - `of_vertices`: n_vertices elements, written: the component of each vertex, UINT32_MAX for those
-///   that no face has. NULL where not wanted.
+/// - `of_vertices`: n_vertices elements, written: the component of each vertex, UINT32_MAX for
+///   those that no face has. NULL where not wanted.
 /// - `of_faces`: n_faces elements, written. NULL where not wanted.
 /// - `count`: written: the number of components.
 ///

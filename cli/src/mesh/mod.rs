@@ -35,8 +35,8 @@ pub struct Args {
     input: PathBuf,
     #[arg(short, long, value_name = "FILE", help = output::mesh_help("Write the mesh"))]
     output: Option<PathBuf>,
-    /// Write .stl, .ply and .vtk as text with every digit. Binary .stl has single precision, which moves
-    /// vertices far from the origin.
+    /// Write .stl, .ply and .vtk as text with every digit. Binary .stl has single precision, which
+    /// moves vertices far from the origin.
     #[arg(long, requires = "output")]
     text: bool,
     /// Keep one component only: its number, from 0 in the order of the lowest vertices, or

@@ -12,7 +12,7 @@ use super::tile::{
     PanelBlock, Powers, Residues, STEP, Slice, Square, Tile, TileNorms, WIDTH, biased,
     power_of_two, tile_norms,
 };
-use super::{dots, portable, recombine};
+use super::{portable, recombine};
 use crate::base::IsaLevel;
 
 /// The kernel. A value exists only if the CPU has AVX2, FMA and the instructions of `dots`, so the
@@ -23,7 +23,6 @@ pub(super) struct Avx2 {
 }
 
 static AVX2: Avx2 = Avx2 { dots: None };
-static AVX_VNNI: Avx2 = Avx2 { dots: Some(dots::product) };
 
 impl Avx2 {
     /// Returns the kernel without dot products, or why this machine can't use it.
@@ -33,19 +32,14 @@ impl Avx2 {
         if found { Ok(&AVX2) } else { Err("the CPU has no AVX2 with FMA") }
     }
 
-    /// Returns the kernel with the dot products of AVX-VNNI, or why this machine can't use it.
-    pub fn with_dots() -> Result<&'static Self, &'static str> {
-        IsaLevel::AvxVnni.permitted()?;
-        Self::new()?;
-        let found = is_x86_feature_detected!("avxvnni");
-        if found { Ok(&AVX_VNNI) } else { Err("the CPU has no AVX-VNNI") }
-    }
-
-    /// Returns the kernel with emulated dot products, or why this machine can't use it.
-    #[cfg(test)]
-    pub fn with_emulated_dots() -> Result<&'static Self, &'static str> {
-        static EMULATED: Avx2 = Avx2 { dots: Some(dots::emulated_product) };
-        Self::new().map(|_| &EMULATED)
+    /// Returns the kernel with this [`Kernel::product`] by dot products.
+    ///
+    /// # Safety
+    /// The kernel is used only where the CPU has AVX2, FMA and the instructions of `product`.
+    pub const unsafe fn with_dots(
+        product: unsafe fn(&Operands<'_>, &mut [PanelBlock<i8>]),
+    ) -> Self {
+        Self { dots: Some(product) }
     }
 }
 

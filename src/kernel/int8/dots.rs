@@ -5,10 +5,11 @@
 
 use std::arch::x86_64::*;
 
-use super::avx2::finish;
+use super::avx2::{Avx2, finish};
 use super::kernel::{Operands, product_by_pairs};
 use super::moduli::Modulus;
 use super::tile::{PanelBlock, Quarter, STEP, Slice, WIDTH};
+use crate::base::IsaLevel;
 
 /// Dot products of four bytes.
 trait Dots {
@@ -31,13 +32,23 @@ impl Dots for Instruction {
     }
 }
 
+/// Returns the kernel for AVX2 with these dot products, or why this machine can't use it.
+pub(super) fn kernel() -> Result<&'static Avx2, &'static str> {
+    // SAFETY: returned below where the CPU has the instructions.
+    static KERNEL: Avx2 = unsafe { Avx2::with_dots(product) };
+    IsaLevel::AvxVnni.permitted()?;
+    Avx2::new()?;
+    let found = is_x86_feature_detected!("avxvnni");
+    if found { Ok(&KERNEL) } else { Err("the CPU has no AVX-VNNI") }
+}
+
 /// Implements [`Kernel::product`](super::kernel::Kernel::product), with the left side biased by
 /// 128.
 ///
 /// # Safety
 /// The CPU has these instructions.
 #[target_feature(enable = "avx2,fma,avxvnni")]
-pub(super) unsafe fn product(operands: &Operands<'_>, residues: &mut [PanelBlock<i8>]) {
+unsafe fn product(operands: &Operands<'_>, residues: &mut [PanelBlock<i8>]) {
     // SAFETY: the caller's promise.
     unsafe { product_by::<Instruction>(operands, residues) }
 }
@@ -206,13 +217,21 @@ impl Dots for Emulation {
     }
 }
 
+/// Returns [`kernel`] with the instruction emulated, or why this machine can't use it.
+#[cfg(test)]
+pub(super) fn emulated_kernel() -> Result<&'static Avx2, &'static str> {
+    // SAFETY: returned below where the CPU has AVX2 and FMA.
+    static KERNEL: Avx2 = unsafe { Avx2::with_dots(emulated_product) };
+    Avx2::new().map(|_| &KERNEL)
+}
+
 /// Computes [`product`] with the instruction emulated.
 ///
 /// # Safety
 /// The CPU has AVX2 and FMA.
 #[cfg(test)]
 #[target_feature(enable = "avx2,fma")]
-pub(super) unsafe fn emulated_product(operands: &Operands<'_>, residues: &mut [PanelBlock<i8>]) {
+unsafe fn emulated_product(operands: &Operands<'_>, residues: &mut [PanelBlock<i8>]) {
     // SAFETY: the caller's promise.
     unsafe { product_by::<Emulation>(operands, residues) }
 }

@@ -116,7 +116,7 @@ impl IntegerIsa {
             #[cfg(target_arch = "x86_64")]
             Self::Vnni => avx512::Vnni::new().err(),
             #[cfg(target_arch = "x86_64")]
-            Self::AvxVnni => avx2::Avx2::with_dots().err(),
+            Self::AvxVnni => dots::kernel().err(),
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => avx2::Avx2::new().err(),
             #[cfg(not(target_arch = "x86_64"))]
@@ -170,7 +170,7 @@ impl IntegerIsa {
             #[cfg(target_arch = "x86_64")]
             Self::Vnni => avx512::Vnni::new().map_or(portable, |kernel| kernel),
             #[cfg(target_arch = "x86_64")]
-            Self::AvxVnni => avx2::Avx2::with_dots().map_or(portable, |kernel| kernel),
+            Self::AvxVnni => dots::kernel().map_or(portable, |kernel| kernel),
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => avx2::Avx2::new().map_or(portable, |kernel| kernel),
             #[cfg(target_arch = "aarch64")]

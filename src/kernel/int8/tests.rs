@@ -31,7 +31,7 @@ pub(crate) fn kernels() -> Vec<(&'static str, &'static dyn Kernel)> {
         if let Ok(kernel) = avx2::Avx2::new() {
             found.push(("avx2", kernel));
         }
-        if let Ok(kernel) = avx2::Avx2::with_dots().or_else(|_| avx2::Avx2::with_emulated_dots()) {
+        if let Ok(kernel) = dots::kernel().or_else(|_| dots::emulated_kernel()) {
             found.push(("avxvnni", kernel));
         }
         if let Ok(kernel) = avx512::Vnni::new() {
