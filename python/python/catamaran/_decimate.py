@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
 from ._options import Progress, callback, matrix_of, to_nearest, to_scipy
-from ._surface import Mesh, MeshLike, needed, takes_mesh
+from ._surface import Mesh, MeshOrArrays, needed, takes_mesh
 from ._words import Reduction
 
 __all__ = ["Decimated", "Difference", "FarthestPoints", "Origin", "decimate", "farthest_points"]
@@ -70,7 +70,7 @@ class Decimated(NamedTuple):
         """The vertices and faces."""
         return Mesh(self.v, self.f)
 
-    def difference(self, mesh: MeshLike, *, threads: Optional[int] = None) -> Difference:
+    def difference(self, mesh: MeshOrArrays, *, threads: Optional[int] = None) -> Difference:
         """Measure distances between a mesh, such as the input, and the result."""
         return Difference(*_catamaran.difference(needed("mesh", mesh), self.mesh, threads))
 

@@ -542,7 +542,7 @@ def eigsh(
     return Eigenpairs(*pairs)
 
 
-@with_mesh
+@takes_mesh
 def count_below(
     v: Any,
     f: Any,

@@ -27,7 +27,16 @@ from ._measure import Comparison, OneSided, Quality, Validation
 from ._options import matrix_of, to_nearest
 from ._show import axes
 
-__all__ = ["Mesh", "MeshLike", "Part", "Refined", "mesh_arrays", "takes_mesh", "with_mesh"]
+__all__ = [
+    "Mesh",
+    "MeshLike",
+    "MeshOrArrays",
+    "Part",
+    "Refined",
+    "mesh_arrays",
+    "takes_mesh",
+    "with_mesh",
+]
 
 
 class Mesh(NamedTuple):
@@ -156,7 +165,7 @@ class Mesh(NamedTuple):
         numbers, edges = _catamaran.quality(self.v, self.f)
         return Quality._make([*numbers, edges])
 
-    def compare(self, other: MeshLike, *, threads: Optional[int] = None) -> Comparison:
+    def compare(self, other: MeshOrArrays, *, threads: Optional[int] = None) -> Comparison:
         """Measure how far the surface is from that of another mesh, and the other way round.
 
         Distances are those of the vertices, and of 100,000 points spread over each surface.
@@ -269,6 +278,8 @@ class _Points(Protocol):
 
 #: A mesh of this package, of trimesh, meshio or pyvista.
 MeshLike = Union[Mesh, _Vertices, _Points]
+#: A mesh, or its vertices and faces.
+MeshOrArrays = Union[MeshLike, Tuple[ArrayLike, ArrayLike]]
 
 
 def mesh_arrays(mesh: Any) -> Optional[Tuple[Any, Any]]:
@@ -314,6 +325,7 @@ def needed(name: str, mesh: Any) -> Tuple[Any, Any]:
 F = TypeVar("F", bound=Callable[..., Any])
 P = ParamSpec("P")
 R = TypeVar("R", covariant=True)
+V = TypeVar("V", contravariant=True)
 
 
 def with_mesh(function: F) -> F:
@@ -329,15 +341,15 @@ def with_mesh(function: F) -> F:
     return cast(F, taking)
 
 
-class MeshFunction(Protocol[P, R]):
+class MeshFunction(Protocol[V, P, R]):
     """A function of `takes_mesh`."""
 
     @overload
-    def __call__(self, v: ArrayLike, f: ArrayLike, *args: P.args, **kwargs: P.kwargs) -> R: ...
+    def __call__(self, v: V, f: V, *args: P.args, **kwargs: P.kwargs) -> R: ...
     @overload
     def __call__(self, v: MeshLike, *args: P.args, **kwargs: P.kwargs) -> R: ...
 
 
-def takes_mesh(function: Callable[Concatenate[ArrayLike, ArrayLike, P], R]) -> MeshFunction[P, R]:
+def takes_mesh(function: Callable[Concatenate[V, V, P], R]) -> MeshFunction[V, P, R]:
     """Do as `with_mesh`, and tell type checkers."""
-    return cast(MeshFunction[P, R], with_mesh(function))
+    return cast(MeshFunction[V, P, R], with_mesh(function))
