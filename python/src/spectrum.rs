@@ -192,7 +192,7 @@ pub fn eigsh_sparse<'py>(
 /// `catamaran.count_below`.
 #[pyfunction]
 #[pyo3(signature = (a, mass, value))]
-pub fn count_below<'py>(
+pub fn count_below_sparse<'py>(
     py: Python<'py>,
     a: Csr<'py>,
     mass: Option<&Bound<'py, PyAny>>,
@@ -201,6 +201,29 @@ pub fn count_below<'py>(
     let a = a.matrix("a")?.to_matrix()?;
     let mass = mass_of(mass, a.rows())?;
     run(py, Length::Long, None, move |_| below(a.view(), &mass, value))
+}
+
+/// The number of eigenvalues of the Laplacian of a mesh below a value; see `catamaran.count_below`.
+#[pyfunction]
+#[pyo3(signature = (v, f, kind, mass, boundary, weld, threads, value))]
+pub fn count_below_mesh<'py>(
+    py: Python<'py>,
+    v: &Bound<'py, PyAny>,
+    f: &Bound<'py, PyAny>,
+    kind: &str,
+    mass: &str,
+    boundary: &Bound<'py, PyAny>,
+    weld: bool,
+    threads: Threads,
+    value: f64,
+) -> PyResult<usize> {
+    let mut options = laplacian_options(kind, mass, boundary, par(threads)?)?;
+    let surface = Surface::new(v, f, weld)?;
+    options.boundary = surface.boundary(options.boundary);
+    run(py, Length::Long, None, move |_| {
+        let found = laplacian(&surface.mesh, &options)?;
+        below(found.stiffness.view(), &found.mass, value)
+    })
 }
 
 /// The number of components of the graph of a matrix whose rows sum to zero; see

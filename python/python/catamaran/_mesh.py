@@ -583,11 +583,9 @@ def count_below(
     >>> catamaran.count_below(catamaran.shapes.icosphere(3), 4.0)  # of a sphere: 0, 2, 2, 2, 6
     4
     """
-    if not is_sparse(v):
-        v, f, _ = laplacian(
-            v, f, kind=kind, mass=mass, boundary=boundary, weld=weld, threads=threads
-        )
-    return _catamaran.count_below(csr(v), mass_of(f), value)
+    if is_sparse(v):
+        return _catamaran.count_below_sparse(csr(v), mass_of(f), value)
+    return _catamaran.count_below_mesh(v, f, kind, mass, boundary, weld, threads, value)
 
 
 @with_mesh
