@@ -3,7 +3,9 @@ use std::ffi::{CStr, c_char};
 use super::boundary::{boundary, text};
 use super::mesh_file::{cata_mesh_file, numbered};
 use super::outputs::{tell, write_text};
-use super::pointer::{known, known_mut, optional_output, optional_slice, output, slice, slice_mut};
+use super::pointer::{
+    known, known_mut, optional_output, optional_slice, optional_slice_mut, output, slice, slice_mut,
+};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use catamaran::base::Error;
 use catamaran_geometry::mesh::io::{Attribute, Labels, MeshFile};
@@ -281,6 +283,61 @@ pub unsafe extern "C" fn cata_mesh_file_set_names(
             CATA_MESH_MATERIALS => file.materials = found,
             CATA_MESH_GROUPS => file.groups = found,
             _ => file.objects = found,
+        }
+        Ok(())
+    })
+}
+
+/// Gets the number of functions on the vertices that the file has (VTK, GIFTI, Gmsh): 0 for none.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_mesh_file_scalars(
+    file: *const cata_mesh_file,
+    count: *mut usize,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (file, count) = unsafe { (&known("file", file)?.file, output("count", count)?) };
+        *count = file.scalars.len();
+        Ok(())
+    })
+}
+
+/// Gets a function on the vertices. NULL where not wanted.
+///
+/// - `index`: its number, from 0, less than that of cata_mesh_file_scalars.
+/// - `name`: `size` elements, written: the name, cut to fit, and NUL; in UTF-8.
+/// - `values`: n_vertices elements, written: NaN where there is no value.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_mesh_file_get_scalars(
+    file: *const cata_mesh_file,
+    index: usize,
+    size: usize,
+    name: *mut c_char,
+    values: *mut f64,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let file = unsafe { &known("file", file)?.file };
+        let all = &file.scalars;
+        let found = all.get(index).ok_or_else(|| {
+            Failure::argument("index", format!("less than {} (functions)", all.len()), index)
+        })?;
+        // SAFETY: the caller's promise.
+        let (name, values) = unsafe {
+            let name = optional_slice_mut("name", name, size)?;
+            (name, optional_slice_mut("values", values, found.values.len())?)
+        };
+        if let Some(name) = name {
+            write_text(name, &found.name);
+        }
+        if let Some(values) = values {
+            values.copy_from_slice(&found.values);
         }
         Ok(())
     })

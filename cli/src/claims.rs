@@ -13,10 +13,11 @@ use crate::parse::levels;
 use crate::tables::MatrixFile;
 
 /// The arguments whose files are written, in any command. The files of all others are inputs.
-const OUTPUTS: [&str; 19] = [
+const OUTPUTS: [&str; 20] = [
     "accumulator",
     "cells",
     "checkpoint",
+    "correlations",
     "coverage",
     "cut",
     "distances",

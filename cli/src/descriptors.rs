@@ -1,14 +1,15 @@
 //! `catamaran descriptors`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use catamaran::base::check_request;
 use catamaran::faer::Mat;
 use catamaran::io::{self as files};
 use catamaran_geometry::mesh::TriMesh;
 use catamaran_geometry::spectral::descriptors::{
-    ShotOptions, global_point_signature, heat_kernel_signature, heat_times, shot,
-    wave_kernel_signature, wave_scales,
+    RingOptions, ShotOptions, geodesic_rings, global_point_signature, heat_kernel_signature,
+    heat_times, shot, wave_kernel_signature, wave_scales,
 };
 use clap::ValueEnum;
 
@@ -19,7 +20,8 @@ use crate::picture::{Paint, PictureArgs, first_column};
 use crate::pieces::Need;
 use crate::progress::Bar;
 use crate::report::status;
-use crate::shape::LaplacianArgs;
+use crate::shape::{LaplacianArgs, functions};
+use crate::tables::TableArgs;
 
 /// The default of -k.
 const K: usize = 100;
@@ -31,7 +33,7 @@ const SCALES: usize = 100;
 ///
 /// Heat kernel, wave kernel and global point signatures are computed from eigenfunctions, and thus
 /// are the same for any pose. SHOT is computed from the normals nearby, and is the same for rigid
-/// motions.
+/// motions. Rings are means of functions over the surface nearby.
 #[derive(clap::Args)]
 pub struct Args {
     #[arg(value_name = "MESH", help = crate::input::mesh_help("The mesh"))]
@@ -43,7 +45,10 @@ pub struct Args {
         short,
         value_name = "K",
         value_parser = parse::at_least_one,
-        help = stated("Number of eigenfunctions, without the constant one; not for shot", K)
+        help = stated(
+            "Number of eigenfunctions, without the constant one; not for shot and rings",
+            K
+        )
     )]
     k: Option<usize>,
     #[arg(
@@ -57,10 +62,20 @@ pub struct Args {
         )
     )]
     scales: Option<usize>,
-    /// Radius of the ball around a vertex that shot describes, in units of the mesh; required for
-    /// shot, and for shot only.
+    /// Radius of the ball around a vertex that shot describes, or of the rings, along edges; in
+    /// units of the mesh. Required for shot and rings, and for these only.
     #[arg(long, value_name = "R")]
     radius: Option<f64>,
+    /// Number of rings that divide the radius; required for rings, and for rings only.
+    #[arg(long, value_name = "N", value_parser = parse::at_least_one)]
+    rings: Option<usize>,
+    /// The functions of rings: a table (a row for each vertex, a column for each function), or the
+    /// values of vertices in a file of VTK, GIFTI, Gmsh or FreeSurfer; required for rings, and for
+    /// rings only.
+    #[arg(long, value_name = "F")]
+    functions: Option<PathBuf>,
+    #[command(flatten)]
+    table: TableArgs,
     #[command(flatten)]
     laplacian: LaplacianArgs,
     /// Output file of the table, with a row for each vertex (.npy, .csv, .tsv, .txt or .mtx, and
@@ -84,6 +99,9 @@ enum Kind {
     Gps,
     /// Signature of histograms of orientations (Tombari, Salti and Di Stefano 2010): 352 columns.
     Shot,
+    /// Means of --functions over --rings around each vertex. The columns, ring after ring from the
+    /// middle: the share of the ring in the area, then the mean of each function.
+    Rings,
 }
 
 /// Runs the subcommand.
@@ -92,9 +110,10 @@ pub fn run(args: &Args) -> Result<()> {
     files::check_name(&args.output)?;
     let output = args.force.create(&args.output)?;
     let picture = args.picture.create(args.force)?;
-    let (mesh, table) = match args.radius {
-        Some(radius) => normals(args, radius)?,
-        None => spectral(args)?,
+    let (mesh, table) = match (args.radius, args.rings, &args.functions) {
+        (Some(radius), Some(rings), Some(path)) => means(args, radius, rings, path)?,
+        (Some(radius), ..) => normals(args, radius)?,
+        _ => spectral(args)?,
     };
     let (vertices, columns) = (table.nrows(), table.ncols());
     status!(
@@ -114,12 +133,20 @@ pub fn run(args: &Args) -> Result<()> {
 
 /// Refuses options that do not apply to the kind.
 fn check(args: &Args) -> Result<()> {
-    let is_shot = args.kind == Kind::Shot;
-    if is_shot != args.radius.is_some() {
-        bail!("--radius is required for --kind shot, and is for that kind only");
+    let is_rings = args.kind == Kind::Rings;
+    let is_local = is_rings || args.kind == Kind::Shot;
+    for (option, is_given) in
+        [("--rings", args.rings.is_some()), ("--functions", args.functions.is_some())]
+    {
+        if is_rings != is_given {
+            bail!("{option} is required for --kind rings, and is for that kind only");
+        }
     }
-    if is_shot && args.k.is_some() {
-        bail!("-k: --kind shot uses no eigenfunctions");
+    if is_local != args.radius.is_some() {
+        bail!("--radius is required for --kind shot and --kind rings, and is for these only");
+    }
+    if is_local && args.k.is_some() {
+        bail!("-k: --kind shot and --kind rings use no eigenfunctions");
     }
     if args.scales.is_some() && !matches!(args.kind, Kind::Hks | Kind::Wks) {
         bail!("--scales is for --kind hks and --kind wks only");
@@ -136,6 +163,20 @@ fn normals(args: &Args, radius: f64) -> Result<(TriMesh, Mat<f64>)> {
     Ok((mesh, table))
 }
 
+fn means(args: &Args, radius: f64, rings: usize, path: &Path) -> Result<(TriMesh, Mat<f64>)> {
+    let mesh = args.laplacian.repair.read(&args.mesh)?.mesh;
+    let vertices = mesh.vertices().len();
+    let functions = functions(path, vertices, &args.table)?;
+    let columns = rings as f64 * (1 + functions.ncols()) as f64;
+    let request = format_args!("{rings} rings around {vertices} vertices");
+    check_request("--rings", request, 8.0 * columns * vertices as f64)?;
+    let bar = Bar::new("descriptors");
+    let update = |fraction| bar.update(fraction);
+    let options = RingOptions::new(radius, rings).par(args.laplacian.par()).progress(&update);
+    let table = geodesic_rings(&mesh, functions.as_ref(), &options);
+    Ok((mesh, table.with_context(|| args.mesh.display().to_string())?))
+}
+
 fn spectral(args: &Args) -> Result<(TriMesh, Mat<f64>)> {
     // Energies of waves range between two different eigenvalues.
     let positive = if args.kind == Kind::Wks { 2 } else { 1 };
@@ -147,7 +188,7 @@ fn spectral(args: &Args) -> Result<(TriMesh, Mat<f64>)> {
         Kind::Wks => wave_scales(values, scales)
             .and_then(|scales| wave_kernel_signature(values, vectors, &scales, par)),
         Kind::Gps => global_point_signature(values, vectors),
-        Kind::Hks | Kind::Shot => heat_times(values, scales)
+        Kind::Hks | Kind::Shot | Kind::Rings => heat_times(values, scales)
             .and_then(|times| heat_kernel_signature(values, vectors, &times, par)),
     };
     Ok((shape.file.mesh, table.with_context(|| args.mesh.display().to_string())?))

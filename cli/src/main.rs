@@ -18,6 +18,7 @@ mod effects;
 mod farthest;
 mod filter;
 mod folder;
+mod generate;
 mod gram;
 #[cfg(test)]
 mod help;
@@ -114,6 +115,7 @@ enum Command {
     Decimate(decimate::Args),
     #[command(alias = "fps")]
     Farthest(farthest::Args),
+    Generate(generate::Args),
     Info(info::Args),
     Demo(demo::Args),
     Spectrum(spectrum::Args),
@@ -144,6 +146,7 @@ impl Command {
             | Self::Mesh(_)
             | Self::Decimate(_)
             | Self::Farthest(_)
+            | Self::Generate(_)
             | Self::Info(_)
             | Self::Demo(_)
             | Self::Tune(_)
@@ -243,6 +246,7 @@ fn run(command: &Command) -> Result<()> {
         Command::Mesh(args) => mesh::run(args),
         Command::Decimate(args) => decimate::run(args),
         Command::Farthest(args) => farthest::run(args),
+        Command::Generate(args) => generate::run(args),
         Command::Info(args) => info::run(args),
         Command::Demo(args) => demo::run(args),
         Command::Spectrum(args) => spectrum::run(args),

@@ -4,10 +4,11 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
 use catamaran::faer::MatRef;
-use catamaran::io::{Array, ArraysWriter, Output};
-use catamaran::solve::{Components, PrincipalComponents, PrincipalComponentsOptions};
+use catamaran::io::{Array, ArraysWriter, Output, check_name};
+use catamaran::solve::{Components, PrincipalComponents, PrincipalComponentsOptions, correlation};
 use catamaran_charts::{Axis, Chart, Line, Series};
 
+use crate::ata::write_matrix;
 use crate::gram::{GramArgs, Pass, SHOWN, Table, second_pass};
 use crate::output;
 use crate::parse::{self, at_least_one};
@@ -47,6 +48,10 @@ pub struct Args {
     /// pass over the rows.
     #[arg(long, requires = "output")]
     scores: bool,
+    /// Write the correlations of the columns, n x n, NaN for a column without variance: .npy, .mtx,
+    /// .csv, .tsv or .txt, and .gz after it.
+    #[arg(long, value_name = "FILE")]
+    correlations: Option<PathBuf>,
     /// Draw the share of the variance that each component explains to this .svg or .png file.
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
@@ -71,10 +76,15 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
         let output = path.map(|path| output::arrays(path, args.gram.force)).transpose()?;
         let path = args.picture.as_deref().filter(|_| ranks.is_first());
         let picture = path.map(|path| picture::create(path, args.gram.force)).transpose()?;
+        let path = args.correlations.as_deref().filter(|_| ranks.is_first());
+        let correlations = path.map(|path| {
+            check_name(path)?;
+            args.gram.force.create(path)
+        });
         args.gram.check(ranks)?;
-        Ok((output, picture, Table::of(args.gram.open()?)))
+        Ok((output, picture, correlations.transpose()?, Table::of(args.gram.open()?)))
     };
-    let (output, picture, table) = ranks.meet(begin())?;
+    let (output, picture, correlations, table) = ranks.meet(begin())?;
     let name = || args.gram.input().display().to_string();
     let enough = || -> Result<()> {
         if let Some(k) = args.k.filter(|&k| k > table.ncols() && table.ncols() > 0) {
@@ -98,6 +108,9 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
         .par(args.gram.par());
     let found = PrincipalComponents::from_gram(&gram, &options).with_context(name)?;
     report_components(&found)?;
+    if let Some(output) = correlations {
+        write_matrix(output, correlation(&gram).with_context(name)?.as_ref())?;
+    }
     match output {
         Some(output) => write(args, output, &table, &found)?,
         None => status!("hint", option = "-o"; "-o FILE.npz writes the components")?,

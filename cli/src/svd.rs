@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use catamaran::faer::linalg::matmul::matmul;
 use catamaran::faer::{Accum, Mat, MatRef, Par};
 use catamaran::io::{Array, ArraysWriter};
-use catamaran::solve::SingularValues;
+use catamaran::solve::{Orthogonality, SingularValues, orthogonality};
 
 use crate::gram::{GramArgs, Pass, SHOWN, Table, second_pass};
 use crate::output;
@@ -31,6 +31,10 @@ pub struct Args {
     /// singular value over that of the column.
     #[arg(long, requires = "output")]
     left: bool,
+    /// Print how far the columns are from orthonormal: the largest entry of A^T A - I by size, and
+    /// its Frobenius norm.
+    #[arg(long)]
+    orthogonality: bool,
 }
 
 /// Runs the subcommand.
@@ -54,6 +58,15 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     let Some(gram) = pass.gram()? else { return pass.end() };
     let found = SingularValues::from_gram(&gram, args.gram.par()).with_context(name)?;
     report_values(&found)?;
+    if args.orthogonality {
+        let Orthogonality { max, frobenius, .. } = orthogonality(&gram).with_context(name)?;
+        report!(
+            "orthogonality": "A^T A - I",
+            max = max,
+            frobenius = frobenius;
+            "largest entry {max:.6e}, Frobenius norm {frobenius:.6e}"
+        )?;
+    }
     if let Some(output) = output {
         let path = output.path().display().to_string();
         let mut writer = ArraysWriter::new(output)?;

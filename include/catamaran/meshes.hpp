@@ -57,6 +57,14 @@ struct face_names {
     std::vector<std::uint32_t> of_faces;
 };
 
+/// A function on the vertices of a file.
+struct vertex_scalars {
+    /// The name, as in the file.
+    std::string name;
+    /// One for each vertex; NaN where there is none.
+    std::vector<double> values;
+};
+
 namespace detail {
 
 /// cata_mesh_file_params for the length of a call.
@@ -216,6 +224,21 @@ public:
         detail::check(cata_mesh_file_set_names(handle_.get(), static_cast<std::int32_t>(kind),
                                                texts.size(), texts.data(),
                                                names.of_faces.data()));
+    }
+
+    /// The functions on the vertices that the file has.
+    std::vector<vertex_scalars> scalars() const {
+        std::size_t count = 0;
+        detail::check(cata_mesh_file_scalars(handle_.get(), &count));
+        std::vector<vertex_scalars> found(count);
+        for (std::size_t i = 0; i < count; ++i) {
+            char text[longest];
+            found[i].values.resize(vertices_.size());
+            detail::check(cata_mesh_file_get_scalars(handle_.get(), i, sizeof text, text,
+                                                     found[i].values.data()));
+            found[i].name = text;
+        }
+        return found;
     }
 
     /// What the reader left out or replaced, or what the file that was written last does not hold.

@@ -163,6 +163,8 @@ impl ThreadPool {
             mem::transmute::<&(dyn Fn(usize) + Sync), &'static (dyn Fn(usize) + Sync)>(work)
         };
         let closing = Closing(&visit);
+        // Where threads share cores, one that stays awake would take the time of those that work.
+        let has_cores = self.threads.len() < available_cores();
         for i in 0..count {
             // More would only pile up while the pool is busy.
             if self.waiting.fetch_add(1, Ordering::Relaxed) >= self.threads.len() {
@@ -172,11 +174,12 @@ impl ThreadPool {
             let (waiting, visit) = (self.waiting.clone(), visit.clone());
             self.pool.spawn(move || {
                 waiting.fetch_sub(1, Ordering::Relaxed);
-                in_series(move || {
+                let call = || {
                     if visit.enter() {
                         visit.leave(catch_unwind(AssertUnwindSafe(|| work(i))).err());
                     }
-                });
+                };
+                if has_cores { in_series(call) } else { call() }
             });
         }
         own();
@@ -195,24 +198,28 @@ fn in_series(work: impl FnOnce()) {
     const PAUSE: Duration = Duration::from_micros(500);
     /// How long a thread stays awake without a call.
     const AWAKE: Duration = Duration::from_micros(100);
+    /// When a thread that is awake returns to rayon, also from a series that goes on: rayon may
+    /// have called it inside of work that waits for a part of its own.
+    const LONGEST: Duration = Duration::from_millis(5);
     thread_local! {
         /// When the last call of this thread ended.
         static ENDED: Cell<Option<Instant>> = const { Cell::new(None) };
-        /// Whether this thread is staying awake, and `work` is one of the calls that it takes.
-        static IS_AWAKE: Cell<bool> = const { Cell::new(false) };
+        /// Whether a call of this thread is at work, or stays awake and takes `work`.
+        static IS_INSIDE: Cell<bool> = const { Cell::new(false) };
     }
     let ended_within = |time: Duration| ENDED.get().is_some_and(|ended| ended.elapsed() < time);
-    let is_series = ended_within(PAUSE);
+    let (is_series, was_inside) = (ended_within(PAUSE), IS_INSIDE.replace(true));
     work();
-    ENDED.set(Some(Instant::now()));
-    if !is_series || IS_AWAKE.replace(true) {
+    let ended = Instant::now();
+    ENDED.set(Some(ended));
+    if was_inside {
         return;
     }
-    while ended_within(AWAKE) {
+    while is_series && ended_within(AWAKE) && ended.elapsed() < LONGEST {
         rayon::yield_now();
         thread::yield_now();
     }
-    IS_AWAKE.set(false);
+    IS_INSIDE.set(false);
 }
 
 /// Threads of a pool that help a caller.
@@ -387,6 +394,9 @@ pub fn release_threads() {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::atomic::AtomicBool;
+    use std::sync::mpsc;
+
     use super::super::Latch;
     use super::*;
 
@@ -468,6 +478,46 @@ mod tests {
             pool.help(1, &help, || begun.wait());
         }
         assert_eq!(helped.into_inner(), CALLS);
+    }
+
+    #[test]
+    fn a_call_inside_of_another_takes_no_further_calls() {
+        let pool = ThreadPool::new(1, Pin::No).unwrap();
+        let is_inside = Arc::new(AtomicBool::new(true));
+        let (sender, seen) = mpsc::channel();
+        pool.run(|| {
+            in_series(|| {
+                let is_inside = is_inside.clone();
+                rayon::spawn(move || sender.send(is_inside.load(Ordering::Relaxed)).unwrap());
+                // The second one is in a series.
+                in_series(|| ());
+                in_series(|| ());
+            });
+            is_inside.store(false, Ordering::Relaxed);
+        });
+        assert_eq!(seen.recv(), Ok(false));
+    }
+
+    #[test]
+    fn a_thread_that_is_awake_returns_from_a_series_that_goes_on() {
+        /// Calls that take much longer than a thread stays awake.
+        const CALLS: usize = 2_000_000;
+        fn call(left: Arc<AtomicUsize>) {
+            in_series(|| ());
+            if left.fetch_sub(1, Ordering::Relaxed) > 1 {
+                rayon::spawn(move || call(left));
+            }
+        }
+        let pool = ThreadPool::new(1, Pin::No).unwrap();
+        let left = Arc::new(AtomicUsize::new(CALLS));
+        pool.run(|| {
+            in_series(|| ());
+            let calls = left.clone();
+            rayon::spawn(move || call(calls));
+            in_series(|| ());
+            // Ends the series, which was not taken to its end.
+            assert!(left.swap(1, Ordering::Relaxed) > 1);
+        });
     }
 
     #[test]

@@ -288,7 +288,7 @@ pub(super) fn without_columnar(path: &Path) -> Error {
 }
 
 /// Returns the name of a file without its folder, in lower case.
-fn lower_name(path: &Path) -> String {
+pub(super) fn lower_name(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
 }
 

@@ -169,6 +169,26 @@ mod tests {
     }
 
     #[test]
+    fn what_is_not_read_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = archive(folder.path(), &["a.csv"], CompressionMethod::Stored);
+        let whole = std::fs::read(&path).unwrap();
+        // Flags and method of the file in the list at the end.
+        let entry = whole.windows(4).rposition(|four| four == b"PK\x01\x02").unwrap();
+        for (at, value, what) in
+            [(8, 1, "an encrypted zip archive"), (10, 12, "file is packed by Bzip2, which is not")]
+        {
+            let mut bytes = whole.clone();
+            bytes[entry + at] = value;
+            std::fs::write(&path, bytes).unwrap();
+            let refused = unpacked(&path).unwrap_err();
+            assert!(refused.contains(what), "{refused}");
+        }
+        #[cfg(unix)]
+        assert!(unpacked(Path::new("/dev/null")).unwrap_err().contains("archive in a pipe"));
+    }
+
+    #[test]
     fn damage_is_found() {
         let folder = tempfile::tempdir().unwrap();
         for method in [CompressionMethod::Stored, CompressionMethod::Deflated] {

@@ -18,6 +18,8 @@ pub(super) struct Unpacker<R> {
     decoder: FrameDecoder,
     /// Of what the frame has unpacked to.
     check: XxHash64,
+    /// Bytes that the frame has unpacked to.
+    found: u64,
     has_failed: bool,
 }
 
@@ -27,7 +29,7 @@ impl<R: BufRead> Unpacker<R> {
         let mut decoder = FrameDecoder::new();
         decoder.set_max_window_size(memory.min(DEFAULT_MAX_WINDOW_SIZE));
         let packed = Packed { inner: packed, has_ended: false, failed: None };
-        Self { packed, decoder, check: XxHash64::default(), has_failed: false }
+        Self { packed, decoder, check: XxHash64::default(), found: 0, has_failed: false }
     }
 
     fn unpack(&mut self, out: &mut [u8]) -> io::Result<usize> {
@@ -35,6 +37,7 @@ impl<R: BufRead> Unpacker<R> {
             if self.decoder.can_collect() > 0 {
                 let count = self.decoder.read(out)?;
                 self.check.write(&out[..count]);
+                self.found += count as u64;
                 return Ok(count);
             }
             let Self { packed, decoder, .. } = &mut *self;
@@ -49,7 +52,9 @@ impl<R: BufRead> Unpacker<R> {
             }
             // The low half of the hash is stored.
             let expected = decoder.get_checksum_from_data();
-            if expected.is_some_and(|check| check != self.check.finish() as u32) {
+            let is_other = expected.is_some_and(|check| check != self.check.finish() as u32);
+            // A frame without a size has 0.
+            if is_other || ![0, self.found].contains(&self.decoder.content_size()) {
                 return Err(damaged(".zst"));
             }
             if !self.begin_next()? {
@@ -66,7 +71,7 @@ impl<R: BufRead> Unpacker<R> {
         }
         let begun = catch_unwind(AssertUnwindSafe(|| decoder.reset(&mut *packed)));
         match begun {
-            Ok(Ok(())) => self.check = XxHash64::default(),
+            Ok(Ok(())) => (self.check, self.found) = (XxHash64::default(), 0),
             Ok(Err(FrameDecoderError::ReadFrameHeaderError(ReadFrameHeaderError::SkipFrame {
                 length,
                 ..
@@ -199,6 +204,17 @@ mod tests {
             bytes[at] ^= 0x10;
             let refused = unpacked(&bytes).unwrap_err();
             assert!(refused == DAMAGED || refused.starts_with("truncated"), "{at}: {refused}");
+        }
+    }
+
+    #[test]
+    fn a_frame_without_a_check_has_the_size_that_it_says() {
+        // Three bytes as they are; the byte before the block is their number.
+        let mut frame = *b"\x28\xb5\x2f\xfd\x20\x03\x19\0\0abc";
+        assert_eq!(unpacked(&[frame, frame].concat()).unwrap(), "abcabc");
+        for size in [2, 4] {
+            frame[5] = size;
+            assert_eq!(unpacked(&frame).unwrap_err(), DAMAGED, "{size}");
         }
     }
 

@@ -71,6 +71,20 @@ void files() {
     CHECK(status_of([&] { catamaran::mesh_file::read(name); }) == CATA_ERR_IO);
 }
 
+// Functions on the vertices of a file have their names and values.
+void functions_on_vertices() {
+    const std::string text = "# vtk DataFile Version 3.0\ntriangle\nASCII\nDATASET POLYDATA\n"
+                             "POINTS 3 double\n0 0 0 1 0 0 0 1 0\nPOLYGONS 1 4\n3 0 1 2\n"
+                             "POINT_DATA 3\nSCALARS heat float\nLOOKUP_TABLE default\n1 2 3\n"
+                             "FIELD FieldData 1\nage 1 3 double\n4 5 6\n";
+    const std::vector<std::uint8_t> bytes(text.begin(), text.end());
+    const auto found = catamaran::mesh_file::read(bytes, catamaran::mesh_format::vtk).scalars();
+    CHECK(found.size() == 2 && found[0].name == "heat" && found[1].name == "age");
+    CHECK(found[0].values == std::vector<double>({1, 2, 3}));
+    CHECK(found[1].values == std::vector<double>({4, 5, 6}));
+    CHECK(catamaran::mesh_file(square(2).mesh()).scalars().empty());
+}
+
 // A soup becomes a surface again.
 void repairs() {
     const square plane(3);
@@ -230,6 +244,7 @@ void shapes() {
 
 int main() {
     files();
+    functions_on_vertices();
     repairs();
     laplacians();
     distances();

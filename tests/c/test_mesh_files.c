@@ -150,6 +150,35 @@ static void test_attributes_stay(void)
     cata_mesh_file_free(again);
 }
 
+/* Functions on vertices come with their names and values, and NULL leaves either out. */
+static void test_functions_on_vertices(void)
+{
+    const char data[] = "# vtk DataFile Version 3.0\nsquare\nASCII\nDATASET POLYDATA\n"
+                        "POINTS 4 double\n0 0 0 1 0 0 1 1 0 0 1 0\n"
+                        "POLYGONS 2 8\n3 0 1 2\n3 0 2 3\n"
+                        "POINT_DATA 4\nSCALARS heat float\nLOOKUP_TABLE default\n0 1 2 -0.5\n";
+    const double heat[4] = {0, 1, 2, -0.5};
+    cata_mesh_file *file = NULL;
+    size_t count = 9;
+    double values[4] = {9, 9, 9, 9};
+    char name[20] = "";
+    CHECK_STATUS(cata_mesh_file_read_bytes(sizeof data - 1, data, CATA_MESH_VTK, &file), CATA_OK);
+    CHECK_STATUS(cata_mesh_file_scalars(file, &count), CATA_OK);
+    CHECK(count == 1);
+    CHECK_STATUS(cata_mesh_file_get_scalars(file, 0, sizeof name, name, NULL), CATA_OK);
+    CHECK(strcmp(name, "heat") == 0 && values[0] == 9);
+    CHECK_STATUS(cata_mesh_file_get_scalars(file, 0, 0, NULL, values), CATA_OK);
+    CHECK(memcmp(values, heat, sizeof heat) == 0);
+    CHECK_STATUS(cata_mesh_file_get_scalars(file, 1, sizeof name, name, values),
+                 CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("index: must be less than 1");
+    cata_mesh_file_free(file);
+    file = square();
+    CHECK_STATUS(cata_mesh_file_scalars(file, &count), CATA_OK);
+    CHECK(count == 0);
+    cata_mesh_file_free(file);
+}
+
 static void test_files(void)
 {
     const char *const path = "test_mesh_files.ply";
@@ -231,6 +260,7 @@ int main(void)
 {
     test_formats_in_memory();
     test_attributes_stay();
+    test_functions_on_vertices();
     test_files();
     test_refusals();
     return report("test_mesh_files");

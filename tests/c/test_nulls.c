@@ -80,6 +80,9 @@ static void test_files(void)
     NEEDS("name", cata_mesh_file_name(file, CATA_MESH_GROUPS, 0, 1, NULL));
     NEEDS("file", cata_mesh_file_get_names(NULL, CATA_MESH_GROUPS, u));
     NEEDS("of_faces", cata_mesh_file_get_names(file, CATA_MESH_GROUPS, NULL));
+    NEEDS("file", cata_mesh_file_scalars(NULL, &n));
+    NEEDS("count", cata_mesh_file_scalars(file, NULL));
+    NEEDS("file", cata_mesh_file_get_scalars(NULL, 0, sizeof text, text, x));
     NEEDS("file", cata_mesh_file_set_names(NULL, CATA_MESH_GROUPS, 1, names, u));
     NEEDS("names", cata_mesh_file_set_names(file, CATA_MESH_GROUPS, 1, NULL, u));
     NEEDS("names", cata_mesh_file_set_names(file, CATA_MESH_GROUPS, 1, none, u));

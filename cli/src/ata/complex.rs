@@ -1,5 +1,6 @@
 //! `A^H A` of a complex matrix, which is in memory.
 
+use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
@@ -47,11 +48,7 @@ pub fn run(
 ) -> Result<()> {
     let (m, n) = a.shape();
     if args.require_finite {
-        let column = |i: usize| (0..n).find(|&j| !a[(i, j)].is_finite());
-        if let Some((i, j)) = (0..m).find_map(|i| Some((i, column(i)?))) {
-            let (name, entry) = (args.input.display(), text(a[(i, j)]));
-            bail!("{name}: {entry} at row {i}, column {j} (counted from 0)");
-        }
+        require_finite(&args.input, a)?;
     }
     let bar = Bar::new("computing");
     let update = |fraction| bar.update(fraction);
@@ -76,6 +73,18 @@ pub fn run(
     let path = output.path().display().to_string();
     files::write_complex(output, c)?;
     status!("written", path = path; "{path}")
+}
+
+/// Refuses a matrix with an entry that is NaN or infinite.
+pub fn require_finite(path: &Path, a: MatRef<'_, c64>) -> Result<()> {
+    let column = |i: usize| (0..a.ncols()).find(|&j| !a[(i, j)].is_finite());
+    match (0..a.nrows()).find_map(|i| Some((i, column(i)?))) {
+        Some((i, j)) => {
+            let (name, entry) = (path.display(), text(a[(i, j)]));
+            bail!("{name}: {entry} at row {i}, column {j} (counted from 0)")
+        }
+        None => Ok(()),
+    }
 }
 
 fn explain(plan: &ComplexPlan, options: &AtaOptions<'_>) -> Result<()> {

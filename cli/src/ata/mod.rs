@@ -3,6 +3,7 @@
 mod complex;
 mod memory;
 mod shown;
+mod times;
 mod unbounded;
 
 use std::num::NonZeroUsize;
@@ -33,7 +34,7 @@ use crate::tables::{MatrixArgs, MatrixFile};
 use crate::{backend, picture};
 pub use unbounded::Unbounded;
 
-/// Compute C = A^T A of a matrix in a file, or A^H A of a complex one.
+/// Compute C = A^T A of a matrix in a file, or A^H A of a complex one; or A^T B of two (--times).
 ///
 /// Reads .npy, .mtx and text tables, each also packed (.gz, .xz, .zst, .zip), from a file or stdin
 /// (-), and HDF5 where it is built in (FILE.h5:/dataset). Sparse .mtx files stay sparse. A .npy or
@@ -51,6 +52,11 @@ pub struct Args {
     output: Option<PathBuf>,
     #[command(flatten)]
     matrix: MatrixArgs,
+    /// The matrix B, m x k: compute A^T B, n x k, or A^H B of complex matrices. B is read as A is,
+    /// but with all columns. The products of blocks of rows are rounded before they are added,
+    /// whatever the scheme.
+    #[arg(long, value_name = "B", requires = "output")]
+    times: Option<MatrixFile>,
     /// Triangle of C to compute; the other triangle is zero in the output.
     #[arg(long, value_name = "TRIANGLE", default_value = "both", value_parser = parse::uplo())]
     uplo: Uplo,
@@ -154,6 +160,10 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     check_same_weights(ranks, weights.as_deref())?;
     let par = threads(args, ranks);
     ranks.report(par.threads())?;
+    if let Some(path) = &args.times {
+        let b = open("B", path, &args.matrix.table.read())?;
+        return times::run(args, (&a, &b), &options(args, par, backend), outputs.c);
+    }
     if let Some(matrix) = a.complex() {
         return complex::run(args, matrix, &options(args, par, backend), outputs);
     }
@@ -225,6 +235,9 @@ fn refuse(args: &Args, ranks: &Ranks) -> Result<()> {
     if args.reproducible && !matches!(args.scheme, SchemeChoice::Auto | SchemeChoice::Exact) {
         let name = parse::scheme_name(args.scheme);
         bail!("--reproducible uses --scheme exact, and can't be combined with --scheme {name}");
+    }
+    if args.times.is_some() {
+        times::refuse(args, ranks)?;
     }
     if args.checkpoint.is_given() && args.output.is_none() && args.accumulator.is_none() {
         bail!("--checkpoint needs -o or --accumulator: the checkpoint is removed at the end");

@@ -7,7 +7,7 @@ use catamaran::Par;
 use catamaran_simulation::plant::families::{GrowthOptions, grow};
 use catamaran_simulation::plant::{
     Conductivity, Elasticity, FitOptions, MotionOptions, Plant, Segment, Soil, Stomata, Tissue,
-    WaterOptions, Wind, read_with,
+    WaterOptions, Wind, read_individual, read_with,
 };
 use clap::{ArgGroup, ValueEnum, ValueHint};
 
@@ -19,6 +19,7 @@ use crate::common::{Force, Threads};
 use crate::defaults::{Numbers, stated};
 use crate::input::{self, TextFile};
 use crate::parse;
+use crate::report::note;
 
 /// The grams of water at which the elasticity of --literal is steepest, by default.
 const LITERAL_SHIFT: f64 = 0.0;
@@ -54,9 +55,17 @@ const NOT_FITTED: [&str; 17] = [
 #[derive(clap::Args)]
 #[command(group = ArgGroup::new("random").args(["grow", "wind"]).multiple(true))]
 pub struct Args {
-    /// The plant: .txt (`verts N`, ...), .swc, .mtg or .obj (polylines), each also as .gz or .xz.
+    /// The plant: .txt (`verts N`, ...), .swc, .mtg or .obj (polylines), each also packed (.gz,
+    /// .xz, .zst, .zip).
     #[arg(value_name = "PLANT", required_unless_present = "grow")]
     plant: Option<PathBuf>,
+    /// The name of one of several plants in an .mtg file, such as P3.
+    #[arg(long, value_name = "NAME", conflicts_with = "grow")]
+    individual: Option<String>,
+    /// Metres in a unit of the file's lengths and, after a comma, of its radii and diameters, if
+    /// they have another unit: 0.01,0.001 for centimetres and millimetres.
+    #[arg(long, value_name = "METRES[,METRES]", value_parser = unit, conflicts_with = "grow")]
+    unit: Option<(f64, f64)>,
     /// Generate a plant with this number of nodes instead of reading one.
     #[arg(
         long,
@@ -302,6 +311,12 @@ fn weakening(text: &str) -> Result<(usize, f64), String> {
     }
 }
 
+/// Parses `METRES` or `METRES,METRES`: the units of lengths and of radii.
+fn unit(text: &str) -> Result<(f64, f64), String> {
+    let (length, radius) = text.split_once(',').unwrap_or((text, text));
+    Ok((parse::positive(length)?, parse::positive(radius)?))
+}
+
 impl Args {
     /// Returns what errors call the plant: its file, or the option that generates it.
     pub fn name(&self) -> String {
@@ -314,7 +329,21 @@ impl Args {
     /// Reads or generates the plant, and pins the nodes of --hold.
     pub fn plant(&self) -> Result<Plant> {
         let plant = match &self.plant {
-            Some(path) => read_with(path, &input::source())?,
+            Some(path) => {
+                let plant = match &self.individual {
+                    Some(name) => read_individual(path, name, &input::source())?,
+                    None => read_with(path, &input::source())?,
+                };
+                for line in plant.notes() {
+                    note(format_args!("{}: {line}", path.display()));
+                }
+                match self.unit {
+                    Some((length, radius)) => {
+                        plant.scaled(length, radius).with_context(|| self.name())?
+                    }
+                    None => plant,
+                }
+            }
             None => {
                 let options = GrowthOptions::new().nodes(self.grow.unwrap_or_default());
                 grow(&options.seed(self.seed)).with_context(|| self.name())?

@@ -51,6 +51,34 @@ fn report_tells_shape_time_rate_check_and_files() {
 }
 
 #[test]
+fn products_with_another_matrix_are_sums_over_blocks_of_rows() {
+    let (folder, _) = with_input(M, N);
+    let (a, b) = (table(M, N), table(M, 3));
+    folder.write("a.csv", csv(&a, N));
+    folder.write_npy("b.npy", &[M as u64, 3], &b);
+    let entry = |p: usize| (0..M).map(|i| a[i * N + p / 3] * b[i * 3 + p % 3]).sum::<f64>();
+    let expected: Vec<f64> = (0..N * 3).map(entry).collect();
+    for line in ["a.npy", "a.csv", "a.npy --block-rows 5", "a.npy --scheme exact --require-finite"]
+    {
+        folder.succeed(&format!("ata {line} --times b.npy -o c.npy --force"));
+        assert_eq!(folder.read_npy::<f64>("c.npy", &[N, 3]), expected, "{line}");
+    }
+    folder.succeed("ata a.npy --columns 1..3 --times b.npy --f32 -o c.npy --force");
+    let few: Vec<f32> = expected[3..9].iter().map(|&x| x as f32).collect();
+    assert_eq!(folder.read_npy::<f32>("c.npy", &[2, 3]), few);
+    folder.write_npy("short.npy", &[2, 3], &table(2, 3));
+    for (line, says) in [
+        ("--times short.npy", "short.npy: 2 rows, where a.npy has 37"),
+        ("--times b.npy --center", "--times can't be combined with --center"),
+        ("--times b.npy --uplo lower", "--times can't be combined with --uplo"),
+    ] {
+        let said = folder.fail(&format!("ata a.npy -o x.npy {line}"));
+        assert!(said.contains(says), "{line}: {said}");
+    }
+    assert_eq!(folder.run("ata a.npy --times b.npy").code, Some(2));
+}
+
+#[test]
 fn product_is_written_in_every_format() {
     let (folder, expected) = with_input(M, N);
     for name in ["c.csv", "c.mtx", "c.npy.gz"] {

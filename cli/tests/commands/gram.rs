@@ -674,11 +674,25 @@ fn whitened_scores_of_standardized_columns_are_uncorrelated_with_variance_one() 
 }
 
 #[test]
+fn correlations_of_columns_are_written_and_those_of_a_constant_are_nan() {
+    let folder = Folder::new();
+    folder.write_npy("a.npy", &[3, 3], &[1.0_f64, 1.0, 5.0, 2.0, 3.0, 5.0, 3.0, 2.0, 5.0]);
+    folder.succeed("pca a.npy --correlations r.npy");
+    let found = folder.read_npy::<f64>("r.npy", &[3, 3]);
+    assert_close(&[found[0], found[1], found[3], found[4]], &[1.0, 0.5, 0.5, 1.0], 1e-15);
+    assert!([2, 5, 6, 7, 8].iter().all(|&i| found[i].is_nan()), "{found:?}");
+    assert!(folder.fail("pca a.npy --correlations r.npy").contains("exists already"));
+    assert!(folder.fail("pca a.npy --correlations r.npz").contains("r.npz"));
+}
+
+#[test]
 fn singular_values_keep_their_digits_and_the_factors_give_a() {
     let folder = Folder::new();
     folder.write("a.csv", "3,0,0\n0,1e-9,0\n0,0,0\n0,0,0\n");
-    let report = folder.succeed("svd a.csv -o svd.npz --left");
+    let report = folder.succeed("svd a.csv -o svd.npz --left --orthogonality");
     assert!(report.contains("rank        2 of 3 columns"), "{report}");
+    let distance = "A^T A - I   largest entry 8.000000e0, Frobenius norm 8.124038e0";
+    assert!(report.contains(distance), "{report}");
     let found = arrays(&folder, "svd.npz");
     assert_eq!(found.vector("values").unwrap(), [3.0, 1e-9, 0.0]);
     assert_eq!(

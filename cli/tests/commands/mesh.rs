@@ -684,3 +684,35 @@ fn every_problem_names_an_option_that_removes_it() {
     folder.write("square.obj", SQUARE);
     assert!(!folder.succeed("mesh square.obj").contains("option "));
 }
+
+#[test]
+fn generated_meshes_are_those_of_the_library_by_their_names() {
+    let folder = Folder::new();
+    for (line, mesh) in [
+        ("icosphere 1", families::icosphere(1)),
+        ("torus 12 6 2 0.5", families::torus(12, 6, 2.0, 0.5)),
+        ("knot 2 3 40 6 0.2", families::knot(2, 3, 40, 6, 0.2)),
+        ("genus 2 1", families::genus(2, 1)),
+        ("figure 1 0.5", families::figure(1, 0.5)),
+        ("grid 3 2", families::grid(3, 2)),
+        ("disk 2 5", families::disk(2, 5)),
+        ("cylinder 6 2 1 3", families::cylinder(6, 2, 1.0, 3.0)),
+        ("terrain 4 3 7", families::terrain(4, 3, 7)),
+    ] {
+        folder.succeed(&format!("generate {line} -o a.ply --force"));
+        assert_eq!(io::read(&folder.path("a.ply")).unwrap().mesh, mesh.unwrap(), "{line}");
+    }
+    for (line, says) in [
+        ("torus 12 6 -o x.ply", "torus: needs AROUND TUBE MAJOR MINOR, and 2 numbers are given"),
+        ("grid 1.5 2 -o x.ply", "grid: COLUMNS must be a whole number of at least 0, is 1.5"),
+        ("terrain 2 2 -1 -o x.ply", "SEED must be a whole number of at least 0, is -1"),
+        ("figure 1 2 -o x.ply", "pose"),
+        ("grid 2 2 -o x.doc", "x.doc"),
+        ("grid 2 2 -o a.ply", "exists already"),
+    ] {
+        let said = folder.fail(&format!("generate {line}"));
+        assert!(said.contains(says), "{line}: {said}");
+    }
+    let help = folder.succeed("generate --help");
+    assert!(help.contains("AROUND ALONG RADIUS HEIGHT"), "{help}");
+}

@@ -555,6 +555,7 @@ fn descriptors_are_tables_with_a_row_for_each_vertex_that_poses_do_not_change() 
     let folder = Folder::new();
     let (source, _) = meshes(&folder);
     let n = source.vertices().len();
+    write_coordinates(&folder, &source);
     // The same surface elsewhere, turned by a quarter.
     let moved = source.vertices().iter().map(|&[x, y, z]| [5.0 - y, x, z + 1.0]).collect();
     let output = Output::create(&folder.path("moved.ply"), Overwrite::Never).unwrap();
@@ -564,6 +565,7 @@ fn descriptors_are_tables_with_a_row_for_each_vertex_that_poses_do_not_change() 
         ("wks -k 20 --scales 5", 5),
         ("gps -k 6", 6),
         ("shot --radius 0.9", 352),
+        ("rings --radius 0.9 --rings 3 --functions xyz.npy", 12),
         ("hks", 100),
     ] {
         let tables = ["source", "moved"].map(|name| {
@@ -586,6 +588,11 @@ fn descriptors_are_tables_with_a_row_for_each_vertex_that_poses_do_not_change() 
         ("--kind shot -o x.npy", "--radius"),
         ("--kind hks --radius 1 -o x.npy", "--radius"),
         ("--kind shot --radius 1 -k 3 -o x.npy", "-k"),
+        ("--kind rings --radius 1 --rings 3 -o x.npy", "--functions"),
+        ("--kind rings --radius 1 --functions xyz.npy -o x.npy", "--rings"),
+        ("--kind rings --rings 3 --functions xyz.npy -o x.npy", "--radius"),
+        ("--kind hks --functions xyz.npy -o x.npy", "--functions"),
+        ("--kind rings --radius 1 --rings 99999999999999 --functions xyz.npy -o x.npy", "--rings"),
         ("--kind gps --scales 3 -o x.npy", "--scales"),
         ("--kind shot --radius=-1 -o x.npy", "radius"),
         ("--kind hks -k 162 -o x.npy", "162 vertices"),
@@ -594,6 +601,20 @@ fn descriptors_are_tables_with_a_row_for_each_vertex_that_poses_do_not_change() 
     ] {
         let said = folder.fail(&format!("descriptors source.ply {arguments}"));
         assert!(said.contains(says), "{arguments}: {said}");
+    }
+}
+
+#[test]
+fn rings_have_shares_of_the_area_and_means_of_functions() {
+    let folder = Folder::new();
+    let n = meshes(&folder).0.vertices().len();
+    folder.write_npy("ones.npy", &[n as u64, 1], &vec![1.0_f64; n]);
+    let rings = "--kind rings --radius 2 --rings 2 --functions ones.npy";
+    folder.succeed(&format!("descriptors source.ply {rings} -o rings.npy"));
+    let found = folder.read_npy::<f64>("rings.npy", &[n, 4]);
+    for row in found.as_chunks::<4>().0 {
+        assert!((row[0] + row[2] - 1.0).abs() < 1e-12 && row[2] > 0.0, "{row:?}");
+        assert!((row[1] - 1.0).abs() < 1e-12 && (row[3] - 1.0).abs() < 1e-12, "{row:?}");
     }
 }
 

@@ -154,6 +154,13 @@ fn complex_matrices_are_multiplied_by_their_conjugates() {
     folder.succeed("ata a.mtx -o c.mtx --reproducible --require-finite");
     let c = fs::read_to_string(folder.path("c.mtx")).unwrap();
     assert_eq!(c, "%%MatrixMarket matrix array complex general\n1 1\n14.0 0.0\n");
+    folder.write("d.mtx", format!("{head}1 1 1 0\n2 1 0 1\n"));
+    folder.succeed("ata a.mtx --times d.mtx -o e.mtx --require-finite");
+    let c = fs::read_to_string(folder.path("e.mtx")).unwrap();
+    assert_eq!(c, "%%MatrixMarket matrix array complex general\n1 1\n-2.0 -2.0\n");
+    folder.write("r.mtx", "%%MatrixMarket matrix array real general\n2 1\n1\n2\n");
+    let said = folder.fail("ata a.mtx --times r.mtx -o x.mtx");
+    assert!(said.contains("r.mtx: must be real or complex as a.mtx is"), "{said}");
     let said = folder.fail("ata a.mtx -o c.csv");
     assert!(said.contains("c.csv: complex numbers: the name must end in .npy or .mtx"), "{said}");
     let said = folder.fail("ata a.mtx --covariance");

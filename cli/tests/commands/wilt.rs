@@ -106,6 +106,29 @@ fn refusals_say_what_is_wrong_and_write_nothing() {
     assert!(run.stderr.contains("--frames") && run.stderr.contains("from 0 to 100000"));
 }
 
+#[test]
+fn the_units_of_a_file_are_given_and_what_it_lacks_is_noted() {
+    let folder = Folder::new();
+    let rows = "/E1\t15\t4\n^<L2\t5\n";
+    folder.write("plant.mtg", &format!("MTG:\nENTITY-CODE\tLength\tTopDia\n{rows}"));
+    folder.write("same.swc", "1 1 0 0 .15 .002 -1\n2 7 0 0 .2 .002 1\n");
+    let line = |plant: &str| format!("wilt {plant} --hours 4 --frames 1 --mesh none");
+    let run = folder.run(&format!("{} --unit 0.01,0.001 -o out", line("plant.mtg")));
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    assert!(run.stderr.contains("plant.mtg: 1 of 2 segments have no diameter"), "{}", run.stderr);
+    // The root of the SWC is as long as its child, a third of that of the MTG.
+    folder.succeed(&format!("{} -o same", line("same.swc")));
+    let last = |name: &str| table(&folder, name).1.last().unwrap().clone();
+    let (mtg, swc) = (last("out/water.csv"), last("same/water.csv"));
+    assert!(mtg[2] > 2.0 * swc[2] && mtg[2] < 4.0 * swc[2], "{mtg:?} {swc:?}");
+    let rows = "/P1\n^/E1\t15\n/P2\n^/E1\t15\n^<L2\t5\n";
+    folder.write("plants.mtg", &format!("MTG:\nENTITY-CODE\tLength\n{rows}"));
+    assert!(folder.fail(&format!("{} -o none", line("plants.mtg"))).contains("plants (P1, P2)"));
+    folder.succeed(&format!("{} --individual P2 --unit 0.01 -o second", line("plants.mtg")));
+    let refused = folder.run("wilt --grow 5 --unit 0.01 -o none");
+    assert!(refused.stderr.contains("--unit"), "{}", refused.stderr);
+}
+
 /// Values are refused before any work, by the name of the option and in its unit.
 #[test]
 fn values_out_of_range_are_named_as_they_were_given() {
@@ -114,6 +137,7 @@ fn values_out_of_range_are_named_as_they_were_given() {
     let from_zero = "expected a finite number of at least 0";
     for (option, value, why) in [
         ("--grow <NODES>", "0", "expected a whole number of at least 1"),
+        ("--unit <METRES[,METRES]>", "0.01,0", above_zero),
         ("--hours <HOURS>", "-1", above_zero),
         ("--delta <LOSS>", "-1", from_zero),
         ("--delta <LOSS>", "nan", from_zero),

@@ -1,6 +1,6 @@
 use catamaran::base::{Error, Result};
 use catamaran_geometry::mesh::Adjacency;
-use catamaran_geometry::mesh::vector::distance;
+use catamaran_geometry::mesh::vector::{distance, scale};
 
 /// Marks the root, which has no parent.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -61,6 +61,7 @@ pub struct Plant {
     lengths: Vec<f64>,
     root: u32,
     base: [f64; 3],
+    notes: Vec<String>,
 }
 
 fn refused<T>(element: String, what: impl Into<String>) -> Result<T> {
@@ -193,7 +194,7 @@ impl Plant {
                 None => [tail[0], tail[1], tail[2] - 0.01],
             }
         });
-        let mut plant = Self { lengths: vec![], segments, parents, root, base };
+        let mut plant = Self { lengths: vec![], segments, parents, root, base, notes: vec![] };
         plant.lengths =
             (0..plant.len()).map(|v| distance(plant.head(v), plant.segments[v].tail)).collect();
         match plant.lengths.iter().position(|&h| h.is_nan() || h <= 0.0 || h.is_infinite()) {
@@ -259,6 +260,51 @@ impl Plant {
             true => segment.leaf_area.unwrap_or(segment.radius * self.lengths[v]),
             false => 0.0,
         }
+    }
+
+    /// Returns what the reader of the file had to assume, such as radii that the file does not
+    /// have; one sentence each.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    pub(crate) fn with_notes(self, notes: Vec<String>) -> Self {
+        Self { notes, ..self }
+    }
+
+    /// Returns the plant with its coordinates and lengths times `length` and its radii times
+    /// `radius`, both positive: the units of a file in metres. Leaf areas grow with the square of
+    /// `length`.
+    ///
+    /// ```
+    /// use catamaran_simulation::plant::{Plant, Segment};
+    ///
+    /// // Height in centimetres, radius in millimetres.
+    /// let stem = vec![Segment::stem([0.0, 0.0, 50.0], 4.0)];
+    /// let plant = Plant::new(stem, &[None], Some([0.0; 3]))?.scaled(1e-2, 1e-3)?;
+    /// assert_eq!((plant.lengths()[0], plant.segments()[0].radius), (0.5, 0.004));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for a factor that is not positive; [`Error::Mesh`] names a node whose
+    /// length or radius overflows or vanishes.
+    pub fn scaled(self, length: f64, radius: f64) -> Result<Self> {
+        for (what, factor) in [("length", length), ("radius", radius)] {
+            if !(factor > 0.0 && factor.is_finite()) {
+                let why = format!("must be positive and finite, is {factor}");
+                return Err(Error::Argument { what, why });
+            }
+        }
+        let Self { mut segments, parents, root, base, notes, .. } = self;
+        for segment in &mut segments {
+            segment.tail = scale(segment.tail, length);
+            segment.radius *= radius;
+            segment.leaf_area = segment.leaf_area.map(|area| area * length * length);
+        }
+        check_segments(&segments)?;
+        let plant = Self::measured(segments, parents, root, Some(scale(base, length)))?;
+        Ok(plant.with_notes(notes))
     }
 
     /// Returns the nodes in depth-first order: every parent before its children, children in

@@ -19,7 +19,7 @@ pub use elasticity::Elasticity;
 pub use fit::{Estimate, Fit, FitOptions, Mark, Measurements, OtherSteepness, OtherWater, fit};
 pub use graph::{Plant, Segment};
 pub use parts::Part;
-pub use read::{PlantFormat, read, read_bytes, read_with};
+pub use read::{PlantFormat, read, read_bytes, read_individual, read_with};
 pub use rods::{Energy, Motion, MotionOptions, Pose, RelaxOptions, Relaxation, RodOptions, Rods};
 pub use sway::{Sway, SwayOptions, sway};
 pub use tissue::Tissue;

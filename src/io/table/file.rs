@@ -19,7 +19,7 @@ use crate::base::{Error, Real, Result, push};
 use crate::io::ReadOptions;
 use crate::io::columns::Columns;
 use crate::io::limits::{longest_line, memory_limit};
-use crate::io::names::FileFormat;
+use crate::io::names::{FileFormat, lower_name};
 use crate::io::packing::Packing;
 use crate::io::rows::{CHANGED, Stamp, canonical, check_rows, seekable};
 use crate::io::source::{error, error_at};
@@ -81,8 +81,12 @@ impl TextFile {
         let open = || File::open(path).map_err(|e| error_at(path, None, e));
         let mut text = Text::new(path, open()?, 0, 0, longest);
         text.hold(HEAD)?;
-        let is_packed = Packing::of_content(text.held()) != Packing::None;
-        if is_packed || encoding::detect(text.held(), table.encoding.as_deref())?.is_some() {
+        let (_, named) = Packing::of(&lower_name(path));
+        let packing = named.or_of_content(text.held());
+        packing.check(text.held()).map_err(|e| error_at(path, None, e))?;
+        if packing != Packing::None
+            || encoding::detect(text.held(), table.encoding.as_deref())?.is_some()
+        {
             return Ok(None);
         }
         let mut text = Text::new(path, open()?, 0, 0, longest);

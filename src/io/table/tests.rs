@@ -460,14 +460,21 @@ fn the_content_says_what_a_name_does_not() {
     let format = auto().format(FileFormat::Table);
     let said = read_file(&folder.file("a.npy", text), &format).map(|found| found.names);
     assert_eq!(said.unwrap(), ["a", "b"]);
-    for (bytes, why) in [
-        (&b"BZh91AY&SY"[..], "a.csv: is packed by bzip2 ("),
-        (b"PK\x03\x04....", "a.csv: damaged .zip file"),
+    for (name, bytes, why) in [
+        ("a.csv", &b"BZh91AY&SY"[..], "a.csv: is packed by bzip2 ("),
+        ("a.csv", b"PK\x03\x04....", "a.csv: damaged .zip file"),
+        ("a.csv.gz", text, "a.csv.gz: is not a .gz file"),
         #[cfg(not(feature = "columnar"))]
-        (b"\x28\xb5\x2f\xfd.....", "build it with --features columnar"),
+        ("a.csv", b"\x28\xb5\x2f\xfd.....", "build it with --features columnar"),
     ] {
-        let said = read_file(&folder.file("a.csv", bytes), &auto()).unwrap_err().to_string();
+        let path = folder.file(name, bytes);
+        let said = read_file(&path, &auto()).unwrap_err().to_string();
         assert!(said.contains(why), "{said}");
+        // Whoever reads blocks of rows gets the same, or is sent to that reader.
+        match TableFile::open(&path, &auto()) {
+            Ok(file) => assert!(file.is_none(), "{name}"),
+            Err(e) => assert_eq!(e.to_string(), said),
+        }
     }
 }
 

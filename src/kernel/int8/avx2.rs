@@ -1,5 +1,5 @@
 //! The kernels for AVX2 and AVX-VNNI, which differ in their products: of 16-bit numbers, added in
-//! pairs, or by dot products of bytes ([`dots`]). Norms, the reduction of the sums of pairs and
+//! pairs, or by dot products of bytes ([`dots`](super::dots)). Norms, the reduction of the sums of pairs and
 //! recombination are the portable code, compiled for AVX2.
 
 use std::arch::x86_64::*;
@@ -19,8 +19,11 @@ use crate::base::IsaLevel;
 /// calls below are sound.
 pub(super) struct Avx2 {
     /// Implements [`Kernel::product`] by dot products, with the left side biased by 128.
-    dots: Option<unsafe fn(&Operands<'_>, &mut [PanelBlock<i8>])>,
+    dots: Option<Product>,
 }
+
+/// A function with the signature of [`Kernel::product`].
+type Product = unsafe fn(&Operands<'_>, &mut [PanelBlock<i8>]);
 
 static AVX2: Avx2 = Avx2 { dots: None };
 
@@ -36,9 +39,7 @@ impl Avx2 {
     ///
     /// # Safety
     /// The kernel is used only where the CPU has AVX2, FMA and the instructions of `product`.
-    pub const unsafe fn with_dots(
-        product: unsafe fn(&Operands<'_>, &mut [PanelBlock<i8>]),
-    ) -> Self {
+    pub const unsafe fn with_dots(product: Product) -> Self {
         Self { dots: Some(product) }
     }
 }

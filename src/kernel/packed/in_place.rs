@@ -117,7 +117,8 @@ pub(super) unsafe fn multiply_in_place<V: Vectors, const ROWS: usize, const COUN
 
 /// Computes `height` rows and `count` vectors of a tile, of the last vector the lanes `tail` if
 /// `MASKED`, and reads nothing else. Writes the sums to `target` at `(row, col)`, or without a
-/// target to memory. Tiles of one whole vector and 4 rows may also have 8.
+/// target to memory. Tiles of one whole vector and 4 rows may also have 8, with a target: the sums
+/// have no room for them.
 ///
 /// # Safety
 /// As for [`multiply_in_place`].
@@ -167,6 +168,7 @@ unsafe fn part_of_tile<V: Vectors, const ROWS: usize, const COUNT: usize, const 
             return rows!(ROWS);
         }
         if ROWS == 4 && !MASKED && height == 8 {
+            debug_assert!(target.is_some() && count == 1);
             return part!(8, 1);
         }
         rows_and_on!(4);

@@ -118,7 +118,7 @@ macro_rules! vectors {
     };
 }
 
-/// Loads 1, 2 or 4 scalars and returns a register filled with each of them.
+/// Loads 1, 2, 4 or 8 scalars and returns a register filled with each of them.
 ///
 /// # Safety
 /// `from` points to so many scalars.

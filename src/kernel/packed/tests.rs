@@ -849,25 +849,53 @@ fn check_small<T: FloatOperand>(rng: &mut Rng) {
                     }
                 }
                 let case = case::<T>(vec![spec], PLENTY, rng);
-                let expected = case.expected()[0].bits();
-                for isa in isas() {
-                    let mut c = case.c.clone();
-                    let destination = Destination::new(c.view_mut(), case.part);
-                    let KernelProduct { left, right, mut targets, .. } =
-                        case.specs[0].product(&destination);
-                    let right = if same { left[0] } else { right[0] };
-                    // SAFETY: `c` is ours.
-                    unsafe { run_small(T::kernel(isa), left[0], right, &mut targets[0], shape) };
-                    assert!(c.bits() == expected, "{} {}: {shape:?}", isa.name(), T::NAME);
-                }
+                check_small_case(&case);
             }
         }
+    }
+}
+
+fn check_small_case<T: FloatOperand>(case: &Case<T>) {
+    let Case { specs, part, c, .. } = case;
+    let shape = specs[0].shape;
+    let expected = case.expected()[0].bits();
+    for isa in isas() {
+        let mut c = c.clone();
+        let destination = Destination::new(c.view_mut(), *part);
+        let KernelProduct { left, right, mut targets, .. } = specs[0].product(&destination);
+        let right = if shape.same { left[0] } else { right[0] };
+        // SAFETY: `c` is ours.
+        unsafe { run_small(T::kernel(isa), left[0], right, &mut targets[0], shape) };
+        assert!(c.bits() == expected, "{} {}: {shape:?}", isa.name(), T::NAME);
     }
 }
 
 #[test]
 fn small_products_are_exact() {
     in_both_precisions!(check_small);
+}
+
+fn check_overlaps<T: FloatOperand>(rng: &mut Rng) {
+    let (depth, rows) = (2, 5);
+    for (part, cols) in (1..=14).flat_map(|cols| [(Part::All, cols), (Part::Lower, cols)]) {
+        let mut side = |width| (1.0, Stored::integers(Layout::Rows, depth, width, rng));
+        let spec = Spec {
+            left: vec![side(rows)],
+            right: vec![side(cols)],
+            outputs: vec![Output { rows: 0..rows, cols: 0..cols, coefficient: 2.0, beta: 3.0 }],
+            shape: Shape { depth, rows, cols, same: false },
+            transposed: false,
+        };
+        let c = Stored::new(Layout::Rows, rows, cols, POISON, |i, j| (i + 2 * j) as f64);
+        check_small_case::<T>(&Case { specs: vec![spec], part, c, budget: PLENTY });
+    }
+}
+
+/// The sums of a small product begin as memory that was not written: Miri, which runs this test,
+/// finds where they are read.
+#[test]
+fn overlapping_vectors_leave_no_sums_unwritten_that_are_read() {
+    in_both_precisions!(check_overlaps);
 }
 
 /// Returns `x 2^exponent`, infinite or zero if that is out of range.

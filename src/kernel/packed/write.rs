@@ -67,25 +67,30 @@ unsafe fn write_wanted<V: Vectors>(
             let sums = sums.add(i * V::WIDTH);
             let mut at = wanted.start / V::LANES * V::LANES;
             while at < wanted.end {
-                let sum = V::mul(c, V::load(sums.add(at)));
                 let to = start.wrapping_add(at);
-                if wanted.start <= at && at + V::LANES <= wanted.end {
-                    let sum = if reads { V::add(V::mul(beta, V::load(to)), sum) } else { sum };
-                    V::store(to, sum);
-                } else if !V::MASK_REGISTERS {
-                    // Without registers for masks, masked stores are slow on CPUs of AMD.
+                let is_whole = wanted.start <= at && at + V::LANES <= wanted.end;
+                if is_whole || V::MASK_REGISTERS {
+                    // With masks, tiles have all lanes of their last vectors.
+                    let sum = V::mul(c, V::load(sums.add(at)));
+                    if is_whole {
+                        let sum = if reads { V::add(V::mul(beta, V::load(to)), sum) } else { sum };
+                        V::store(to, sum);
+                    } else {
+                        let mask = V::mask(columns.bits_of_row(i) >> at);
+                        let sum = match reads {
+                            true => V::add(V::mul(beta, V::load_masked(to, mask)), sum),
+                            false => sum,
+                        };
+                        V::store_masked(to, mask, sum);
+                    }
+                } else {
+                    // Without registers for masks, masked stores are slow on CPUs of AMD, and lanes
+                    // beyond the tile have no sums.
                     for j in wanted.start.max(at)..wanted.end.min(at + V::LANES) {
                         let sum = target.coefficient * *sums.add(j);
                         let to = start.wrapping_add(j);
                         *to = if reads { target.beta * *to + sum } else { sum };
                     }
-                } else {
-                    let mask = V::mask(columns.bits_of_row(i) >> at);
-                    let sum = match reads {
-                        true => V::add(V::mul(beta, V::load_masked(to, mask)), sum),
-                        false => sum,
-                    };
-                    V::store_masked(to, mask, sum);
                 }
                 at += V::LANES;
             }

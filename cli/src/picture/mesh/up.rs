@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use catamaran::io::Packing;
 use catamaran_geometry::mesh::TriMesh;
 
 use super::camera::Up;
@@ -21,11 +22,10 @@ pub fn guess(mesh: &TriMesh, path: &Path) -> Up {
     height_field(mesh).unwrap_or_else(|| if is_printed(path) { Up::Z } else { Up::Y })
 }
 
-/// Returns whether the name, without .gz or .xz, is that of a file for 3D printing.
+/// Returns whether the name, packed or not, is that of a file for 3D printing.
 fn is_printed(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    let stem = [".gz", ".xz"].iter().find_map(|end| name.strip_suffix(end)).unwrap_or(&name);
-    stem.ends_with(".stl")
+    Packing::of(&name).0.ends_with(".stl")
 }
 
 /// Returns the axis over which the mesh is a height field, if it is one.
@@ -56,7 +56,7 @@ mod tests {
             let vertices = vertices.into_iter().map(|[x, y, z]| [y, z, x]).collect();
             TriMesh::new(vertices, faces).unwrap()
         };
-        let [obj, stl] = ["a.obj", "b.STL.gz"].map(Path::new);
+        let [obj, stl] = ["a.obj", "b.STL.zip"].map(Path::new);
         assert_eq!(guess(&terrain, obj), Up::Z);
         assert_eq!(guess(&turned(&terrain), stl), Up::Y);
         let sphere = families::icosphere(2).unwrap();

@@ -99,7 +99,7 @@ pub(super) fn text_numbers(text: &[u8]) -> Checked<Vec<f64>> {
 pub(super) fn whole(number: f64) -> Checked<usize> {
     /// From here on, doubles skip integers.
     const END: f64 = 9_007_199_254_740_992.0;
-    if number >= 0.0 && number < END && number.fract() == 0.0 {
+    if (0.0..END).contains(&number) && number.fract() == 0.0 {
         Ok(number as usize)
     } else {
         Err(format!("{number} is not an index or a count").into())

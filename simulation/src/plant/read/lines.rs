@@ -24,12 +24,14 @@ impl<'a> Lines<'a> {
     }
 
     /// Returns the next line that is not only a comment, with its leading tabs, and without the
-    /// comment after a `#`.
+    /// comment after a `#`. Bytes that are not UTF-8 are read as Latin-1.
     pub fn next_row(&mut self) -> Result<Option<String>> {
         loop {
             let Some(bytes) = self.0.next_bytes()? else { return Ok(None) };
-            let text = std::str::from_utf8(bytes).map(str::to_owned);
-            let Ok(text) = text else { return Err(self.fail("is not text (UTF-8)")) };
+            let text = match std::str::from_utf8(bytes) {
+                Ok(text) => text.to_owned(),
+                Err(_) => bytes.iter().copied().map(char::from).collect(),
+            };
             let row = text.split('#').next().unwrap_or_default();
             if !row.trim().is_empty() {
                 return Ok(Some(row.to_owned()));

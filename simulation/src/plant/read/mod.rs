@@ -23,9 +23,13 @@ pub enum PlantFormat {
     /// Neuron and tree skeletons (Cannon et al. 1998): lines `id type x y z radius parent`, parent
     /// -1 for the root, in metres. Type 7 ("custom") marks veins of leaves.
     Swc,
-    /// Multiscale tree graphs (Godin and Caraglio 1998) with coordinates: the columns `XX`, `YY`,
-    /// `ZZ` and `Radius` or `Diameter` (in metres), `/`, `<` and `+` between components. Class
-    /// `L...` (leaf) marks veins of leaves, `P...` (petiole) their stalks.
+    /// Multiscale tree graphs (Godin and Caraglio 1998) of one plant (of several:
+    /// [`read_individual`]), with coordinates (columns `XX`, `YY`, `ZZ`) or else lengths (`Length`,
+    /// `Longueur`, `Long`) and angles of branches in degrees (`Insertion` or `Alpha`, `Azimuth`).
+    /// Radii are those of `Radius`, or half of `Diameter`, `Diam`, `TopDia` or `diasom` and, at the
+    /// base, of `BottomDia` or `diabase`. All in metres; [`Plant::scaled`] converts other units.
+    /// [`Plant::notes`] says what was not in the file. Class `L...` (leaf) marks veins of leaves,
+    /// `P...` (petiole) their stalks.
     Mtg,
     /// Wavefront OBJ with `v x y z [radius]` and polylines `l`: in metres; the default radius is 1
     /// mm. The root is the first vertex of the first line. End points at which no line continues
@@ -89,7 +93,35 @@ pub fn read(path: &Path) -> Result<Plant> {
 /// As [`read()`], and [`Error::Cancelled`].
 pub fn read_with(path: &Path, options: &SourceOptions<'_>) -> Result<Plant> {
     let (format, packing) = PlantFormat::of(path)?;
-    read_source(Source::open(path, packing, options)?, format, path)
+    read_source(Source::open(path, packing, options)?, format, path, None)
+}
+
+/// Reads one of several plants in an MTG file, by its name.
+///
+/// ```
+/// use catamaran::io::SourceOptions;
+/// use catamaran_simulation::plant::read_individual;
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("plants.mtg");
+/// std::fs::write(path, "MTG:\nTOPO\tLength\n/P1\n^/E1\t1\n/P2\n^/E1\t2\n").unwrap();
+/// let plant = read_individual(path, "P2", &SourceOptions::new())?;
+/// assert_eq!(plant.lengths(), [2.0]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`read_with`], and [`Error::Io`] for a file of another format and for a name that the file
+/// does not have; it lists those of the file.
+pub fn read_individual(path: &Path, name: &str, options: &SourceOptions<'_>) -> Result<Plant> {
+    let (format, packing) = PlantFormat::of(path)?;
+    if format != PlantFormat::Mtg {
+        return Err(Error::file(
+            path,
+            format!("has no plant {name:?}: only .mtg files have names"),
+        ));
+    }
+    read_source(Source::open(path, packing, options)?, format, path, Some(name))
 }
 
 /// Reads the plant in `bytes`, which are not packed, like a file.
@@ -111,15 +143,20 @@ pub fn read_bytes(bytes: &[u8], format: PlantFormat) -> Result<Plant> {
         PlantFormat::Mtg => "plant.mtg",
         PlantFormat::Obj => "plant.obj",
     });
-    read_source(Source::of_bytes(path, bytes), format, path)
+    read_source(Source::of_bytes(path, bytes), format, path, None)
 }
 
-fn read_source(source: Source<'_>, format: PlantFormat, path: &Path) -> Result<Plant> {
+fn read_source(
+    source: Source<'_>,
+    format: PlantFormat,
+    path: &Path,
+    name: Option<&str>,
+) -> Result<Plant> {
     let mut lines = Lines::new(source);
     let plant = match format {
         PlantFormat::Reference => reference::read(&mut lines),
         PlantFormat::Swc => swc::read(&mut lines),
-        PlantFormat::Mtg => mtg::read(&mut lines),
+        PlantFormat::Mtg => mtg::read(&mut lines, name),
         PlantFormat::Obj => obj::read(&mut lines),
     };
     plant.map_err(|error| match error {

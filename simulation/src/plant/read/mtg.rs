@@ -1,80 +1,281 @@
-//! MTG, the multiscale tree graphs of AMAPmod and OpenAlea (Godin and Caraglio 1998); reads the
-//! finest scale with coordinates.
+//! MTG, the multiscale tree graphs of AMAPmod and OpenAlea (Godin and Caraglio 1998): the codes of
+//! components and their features; `shape` makes a plant of them.
 
-use super::super::{Plant, Segment};
+mod shape;
+
+use std::collections::HashMap;
+
+use super::super::Plant;
 use super::lines::Lines;
 use catamaran::base::Result;
 
-/// The columns of features, by name.
-struct Columns {
-    /// Number of columns of the code before the first feature.
-    code: usize,
-    position: [usize; 3],
-    radius: usize,
-    /// Factor from a number of that column to a radius.
-    scale: f64,
+/// The largest number of components of a file with ranges: `E1<<E9` stands for nine components, so
+/// that a short file could fill the memory.
+const MOST: usize = 1 << 20;
+
+/// The features that are read: what errors call them, the names of their columns in lower case, and
+/// the factor from a number of the column to the feature.
+const FEATURES: [(&str, &[&str], f64); 9] = [
+    ("coordinate XX", &["xx", "x"], 1.0),
+    ("coordinate YY", &["yy", "y"], 1.0),
+    ("coordinate ZZ", &["zz", "z"], 1.0),
+    ("length", &["length", "longueur", "long"], 1.0),
+    ("radius", &["radius"], 1.0),
+    ("diameter", &["diameter", "diam", "topdia", "topdiameter", "diasom"], 0.5),
+    ("diameter at the base", &["bottomdia", "bottomdiameter", "botdia", "diabase"], 0.5),
+    ("insertion angle", &["insertion", "alpha"], 1.0),
+    ("azimuth", &["azimuth", "azimut"], 1.0),
+];
+const LENGTH: usize = 3;
+const RADIUS: usize = 4;
+const TOP: usize = 5;
+const BASE: usize = 6;
+const INSERTION: usize = 7;
+const AZIMUTH: usize = 8;
+
+/// A component of the plant, at any scale.
+struct Component {
+    class: String,
+    index: usize,
+    /// The number of its scale: larger is finer.
+    scale: usize,
+    /// The component that it follows or grows on; of the first part of a component, that component.
+    bearer: Option<usize>,
+    /// The nearest coarser component that it is a part of.
+    whole: Option<usize>,
+    /// Whether it grows on its bearer as a branch (`+`).
+    branch: bool,
+    /// Whether it lies on the axis of `whole`, not on a branch within.
+    on_axis: bool,
+    /// The last of its parts on its axis.
+    tip: Option<usize>,
+    /// The numbers of the columns of [`FEATURES`].
+    features: [Option<f64>; FEATURES.len()],
 }
 
-pub(super) fn read(lines: &mut Lines<'_>) -> Result<Plant> {
-    let columns = header(lines)?;
-    let (mut segments, mut parents) = (Vec::new(), Vec::<Option<u32>>::new());
-    // The last node of the axis in each column of the code.
-    let mut last: Vec<Option<u32>> = vec![None; columns.code];
-    // `lines` removes comments and blank lines, but not tabs at the beginning of a line.
-    while let Some(line) = lines.next_row()? {
-        let cells: Vec<&str> = line.split('\t').map(str::trim).collect();
-        let Some(place) = cells.iter().take(columns.code).position(|cell| !cell.is_empty()) else {
-            continue;
-        };
-        let code = cells[place];
-        let cell = |column: usize| cells.get(column).copied().filter(|cell| !cell.is_empty());
-        if columns.position.iter().any(|&column| cell(column).is_none()) {
-            continue; // a coarser scale, such as a plant or an axis, has no coordinates
-        }
-        // "^<I3" continues from the last node of its column, "+I3" branches off from it, "/I3"
-        // begins an axis.
-        let code = code.trim_start_matches('^');
-        let link = code.rfind(['/', '<', '+']).map(|i| (code.as_bytes()[i], &code[i + 1..]));
-        let Some((link, name)) = link else {
-            return Err(lines.fail(format!("{code:?} has none of the relations /, < and +")));
-        };
-        let known = last[..=place].iter().rev().find_map(|v| *v);
-        let parent = if link == b'/' && segments.is_empty() { None } else { known };
-        let mut tail = [0.0; 3];
-        for (x, &column) in tail.iter_mut().zip(&columns.position) {
-            *x = lines.number("coordinate", cell(column))?;
-        }
-        let radius = columns.scale * lines.number("radius", cell(columns.radius))?;
-        let mut segment = Segment::stem(tail, radius);
-        segment.leaf = name.starts_with(['L', 'l']);
-        segment.petiole = name.starts_with(['P', 'p']);
-        last[place] = Some(segments.len() as u32);
-        last[place + 1..].fill(None);
-        parents.push(parent);
-        segments.push(segment);
+impl Component {
+    fn name(&self) -> String {
+        format!("{}{}", self.class, self.index)
     }
-    Plant::new(segments, &parents, None)
+
+    fn position(&self) -> Option<[f64; 3]> {
+        let [x, y, z, ..] = self.features;
+        Some([x?, y?, z?])
+    }
+
+    /// Returns the radius at its end.
+    fn radius(&self) -> Option<f64> {
+        self.features[RADIUS].or(self.features[TOP])
+    }
+}
+
+struct Graph {
+    components: Vec<Component>,
+    /// The scale of each class; empty without the section `CLASSES`.
+    scales: HashMap<String, usize>,
+    /// The names of all columns, in lower case.
+    names: Vec<String>,
+    /// The column of each of [`FEATURES`].
+    columns: [Option<usize>; FEATURES.len()],
+    /// The last component in each column of the code.
+    last: Vec<Option<usize>>,
+    /// The components that begin a plant.
+    plants: Vec<usize>,
+}
+
+/// Reads the plant with a name, such as `P3`, or the only one.
+pub(super) fn read(lines: &mut Lines<'_>, name: Option<&str>) -> Result<Plant> {
+    let mut graph = header(lines)?;
+    while let Some(line) = lines.next_row()? {
+        graph.row(lines, &line)?;
+    }
+    let names: Vec<String> = graph.plants.iter().map(|&v| graph.components[v].name()).collect();
+    let end = |k: usize| graph.plants.get(k).copied().unwrap_or(graph.components.len());
+    let found = name.map(|name| names.iter().position(|n| n == name));
+    let chosen = match found {
+        None if names.len() < 2 => 0..graph.components.len(),
+        Some(Some(k)) => end(k)..end(k + 1),
+        _ => {
+            let (count, all) = (names.len(), names.join(", "));
+            let why = name.map_or("choose one by its name".into(), |n| format!("{n:?} is not one"));
+            return Err(lines.fail(format!("the file has {count} plants ({all}): {why}")));
+        }
+    };
+    shape::plant(&graph, chosen, lines)
 }
 
 /// Reads up to the line of column names after `MTG:`.
-fn header(lines: &mut Lines<'_>) -> Result<Columns> {
-    while !lines.expect("`MTG:`")?.starts_with("MTG") {}
+fn header(lines: &mut Lines<'_>) -> Result<Graph> {
+    let mut scales = HashMap::new();
+    let mut classes = false;
+    loop {
+        let Some(line) = lines.next_row()? else {
+            return Err(lines.fail("the file ends before `MTG:`"));
+        };
+        let mut words = line.split_whitespace();
+        let first = words.next().unwrap_or_default();
+        if first.starts_with("MTG") {
+            break;
+        }
+        if first.starts_with("CLASSES") {
+            classes = true;
+        } else if first.starts_with("DESCRIPTION") || first.starts_with("FEATURES") {
+            classes = false;
+        } else if classes && first != "SYMBOL" {
+            scales.insert(first.to_owned(), lines.count("scale", words.next())?);
+        }
+    }
     let Some(line) = lines.next_row()? else {
         return Err(lines.fail("no line of column names after `MTG:`"));
     };
     let names: Vec<String> =
         line.split('\t').map(|name| name.trim().to_ascii_lowercase()).collect();
-    let find = |names_of: &[&str]| names.iter().position(|name| names_of.contains(&name.as_str()));
-    let (x, y, z) = (find(&["xx", "x"]), find(&["yy", "y"]), find(&["zz", "z"]));
-    let (Some(x), Some(y), Some(z)) = (x, y, z) else {
-        return Err(lines.fail("no columns XX, YY and ZZ: a plant needs positions"));
+    // Of several names the first that exists counts.
+    let column = |known: &[&str]| {
+        known.iter().find_map(|&known| names.iter().position(|name| name == known))
     };
-    let (radius, scale) = match (find(&["radius"]), find(&["diameter"])) {
-        (Some(radius), _) => (radius, 1.0),
-        (None, Some(diameter)) => (diameter, 0.5),
-        (None, None) => return Err(lines.fail("no column Radius or Diameter")),
-    };
-    // The code takes the columns up to the first name after ENTITY-CODE.
-    let code = (1..names.len()).find(|&i| !names[i].is_empty()).unwrap_or(1);
-    Ok(Columns { code, position: [x, y, z], radius, scale })
+    let columns = FEATURES.map(|(_, known, _)| column(known));
+    // The code takes the columns up to the first name after ENTITY-CODE or TOPO.
+    let code = (1..names.len()).find(|&i| !names[i].is_empty()).unwrap_or(names.len());
+    let (last, components, plants) = (vec![None; code], Vec::new(), Vec::new());
+    Ok(Graph { components, scales, names, columns, last, plants })
+}
+
+impl Graph {
+    /// Adds the components of a line.
+    fn row(&mut self, lines: &Lines<'_>, line: &str) -> Result<()> {
+        let cells: Vec<&str> = line.split('\t').map(str::trim).collect();
+        let code = cells.iter().take(self.last.len()).position(|cell| !cell.is_empty());
+        let Some(place) = code else { return Ok(()) };
+        // "^<I3" relates to the last component in its column, "+I3" to the last in the column to
+        // the left.
+        let rest = cells[place].trim_start_matches('^');
+        let same = rest.len() < cells[place].len() || rest == "*";
+        let left = self.last[..place].iter().rev().find_map(|v| *v);
+        let own = self.last[place];
+        let before = if same { own.or(left) } else { left.or(own) };
+        let v = match (rest, before) {
+            // A later observation of the same component.
+            ("*", Some(v)) => v,
+            _ => self.code(lines, rest, before, same)?,
+        };
+        for (kind, column) in self.columns.iter().enumerate() {
+            let cell = column.and_then(|column| cells.get(column)).filter(|cell| !cell.is_empty());
+            if let Some(&cell) = cell {
+                let (what, _, factor) = FEATURES[kind];
+                let number = factor * lines.number(what, Some(cell))?;
+                self.components[v].features[kind] = Some(number);
+            }
+        }
+        if rest != "*" {
+            self.last[place] = Some(v);
+            self.last[place + 1..].fill(None);
+        }
+        Ok(())
+    }
+
+    /// Adds the components of a code such as `/U1/E1<<E9+B1` and returns the last of them.
+    fn code(
+        &mut self,
+        lines: &Lines<'_>,
+        code: &str,
+        before: Option<usize>,
+        same: bool,
+    ) -> Result<usize> {
+        let (mut rest, mut last, mut same) = (code, before, same);
+        while let Some(link) = rest.chars().next() {
+            let after = rest.trim_start_matches(link);
+            let range = rest.len() > after.len() + 1;
+            let (name, next) = after.split_at(after.find(['/', '<', '+']).unwrap_or(after.len()));
+            let name = name.trim();
+            if !['/', '<', '+'].contains(&link) || name.is_empty() {
+                break;
+            }
+            rest = next;
+            let class = name.trim_end_matches(|c: char| c.is_ascii_digit());
+            let index: usize = name[class.len()..].parse().unwrap_or_default();
+            let mut first = index;
+            if range
+                && let Some(from) = last.map(|v| &self.components[v])
+                && from.class == class
+                && from.index < index
+            {
+                first = from.index + 1;
+                if index - first > MOST.saturating_sub(self.components.len()) {
+                    let what = format!("{code:?}: more than {MOST} components by ranges");
+                    return Err(lines.fail(what));
+                }
+            }
+            for index in first..=index {
+                last = Some(self.add(link, class, index, last, same));
+                same = true;
+            }
+        }
+        match last {
+            Some(v) if rest.is_empty() && !code.is_empty() => Ok(v),
+            _ => {
+                let what = format!("{code:?} is not a chain of /, < or +, a class and an index");
+                Err(lines.fail(what))
+            }
+        }
+    }
+
+    /// Adds a component that relates to `last`; `same` says that they are in one column or code.
+    fn add(
+        &mut self,
+        link: char,
+        class: &str,
+        index: usize,
+        last: Option<usize>,
+        same: bool,
+    ) -> usize {
+        // The first class of the file is that of plants.
+        let first = self.components.first();
+        let begins = link == '/' && !same && first.is_none_or(|c| c.class == class);
+        let last = last.filter(|_| !begins);
+        let finest = || self.scales.values().max().copied().unwrap_or_default();
+        let initial = class.chars().next().map(String::from).unwrap_or_default();
+        let scale = self.scales.get(class).or_else(|| self.scales.get(&initial));
+        let scale = scale.copied().unwrap_or_else(finest);
+        let bearer = last.map(|v| if link == '/' { v } else { self.bearer(v, scale, same) });
+        let mut whole = bearer;
+        while let Some(w) = whole.filter(|&w| self.components[w].scale >= scale) {
+            whole = self.components[w].whole;
+        }
+        let beside = bearer.map(|v| &self.components[v]).filter(|b| b.whole == whole);
+        let on_axis = link != '+' && beside.is_none_or(|b| b.on_axis);
+        let v = self.components.len();
+        if let Some(w) = whole.filter(|_| on_axis) {
+            self.components[w].tip = Some(v);
+        }
+        if begins {
+            self.plants.push(v);
+        }
+        self.components.push(Component {
+            class: class.to_owned(),
+            index,
+            scale,
+            bearer,
+            whole,
+            branch: link == '+',
+            on_axis,
+            tip: None,
+            features: [None; FEATURES.len()],
+        });
+        v
+    }
+
+    /// Returns the component that bears one of `scale`, which relates to `last`.
+    fn bearer(&self, last: usize, scale: usize, same: bool) -> usize {
+        // In a column, S4 follows S3 although the branch B2 of S3 stands between them.
+        let mut above = Some(last).filter(|_| same);
+        while let Some(v) = above.filter(|&v| self.components[v].scale < scale) {
+            above = self.components[v].bearer;
+        }
+        let mut v = above.unwrap_or(last);
+        while let Some(tip) = self.components[v].tip {
+            v = tip;
+        }
+        v
+    }
 }

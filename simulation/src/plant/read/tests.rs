@@ -62,8 +62,136 @@ fn mtg_is_read() {
     let text = text.split("/P1").next().unwrap().to_owned() + &stalk;
     let plant = read_bytes(text.as_bytes(), PlantFormat::Mtg).unwrap();
     assert!(plant.segments()[1].petiole && !plant.segments()[1].leaf);
-    refusal("MTG:\nENTITY-CODE\tLength\n", PlantFormat::Mtg, "no columns XX");
+    refusal("MTG:\nENTITY-CODE\tLength\n", PlantFormat::Mtg, "no component after the column");
     refusal("CODE:\n", PlantFormat::Mtg, "the file ends before `MTG:`");
+}
+
+/// Returns an MTG with three columns of code, then those of `features`.
+fn mtg(features: &str, rows: &str) -> String {
+    let classes: String =
+        ["P\t1", "A\t2", "U \t3", "E\t4"].map(|c| format!("{c}\tFREE\n")).concat();
+    format!(
+        "CODE :\tFORM-A\nCLASSES:\nSYMBOL\tSCALE\tDECOMPOSITION\n$ \t0\tFREE\n{classes}DESCRIPTION \
+         :\nLEFT\tRIGHT\tRELTYPE\tMAX\nE\tE\t+\t?\nFEATURES:\nNAME\tTYPE\nMTG :\nENTITY-CODE\t\t\t\
+         {features}\n{rows}"
+    )
+}
+
+fn plant_of(features: &str, rows: &str) -> Plant {
+    read_bytes(mtg(features, rows).as_bytes(), PlantFormat::Mtg).unwrap()
+}
+
+fn parents(plant: &Plant) -> Vec<Option<usize>> {
+    (0..plant.len()).map(|v| plant.parent(v)).collect()
+}
+
+fn assert_near(found: &[f64], expected: &[f64]) {
+    assert_eq!(found.len(), expected.len());
+    let near = found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12);
+    assert!(near, "{found:?} instead of {expected:?}");
+}
+
+const POINTS: &str = "XX\tYY\tZZ\tTopDia";
+
+#[test]
+fn branches_of_an_mtg_grow_on_the_column_to_the_left() {
+    let rows = "/P1/A1/U1/E1\t\t\t0\t0\t1\t.2\n\t+E1\t\t1\t0\t1\t.2\n\t+E2\t\t-1\t0\t1\t.2\n\
+                ^<E2\t\t\t0\t0\t2\t.2\n";
+    assert_eq!(parents(&plant_of(POINTS, rows)), [None, Some(0), Some(0), Some(0)]);
+    // The branch U2 stands between E1 and E2, which follows E1.
+    let rows = "/P1/A1/U1/E1\t\t\t0\t0\t1\t.2\n^+U2\n\t/E1\t\t1\t0\t1\t.2\n^<E2\t\t\t0\t0\t2\t.2\n";
+    assert_eq!(parents(&plant_of(POINTS, rows)), [None, Some(0), Some(0)]);
+}
+
+#[test]
+fn parts_of_an_mtg_share_the_length_and_the_taper_of_their_unit() {
+    let rows = "/P1/A1/U1\t\t\t.04\t.02\t.8\n^/E1<<E4\n\t+U1\t\t.02\t.02\t.4\n\t^/E1<E2\n";
+    let plant = plant_of("diabase\tdiasom\tlongueur", rows);
+    assert_eq!(parents(&plant), [None, Some(0), Some(1), Some(2), Some(3), Some(4)]);
+    assert_near(plant.lengths(), &[0.2; 6]);
+    let radii: Vec<f64> = plant.segments().iter().map(|s| s.radius).collect();
+    assert_near(&radii, &[0.0175, 0.015, 0.0125, 0.01, 0.01, 0.01]);
+    assert_near(&plant.segments()[3].tail, &[0.0, 0.0, 0.8]);
+    assert_near(&[plant.segments()[5].tail[2]], &[0.8 + 0.4 * 0.5_f64.sqrt()]);
+    let notes = plant.notes().join("; ");
+    assert!(notes.contains("4 of 10 components are no segments"), "{notes}");
+    assert!(notes.contains("1 of the branches"), "{notes}");
+}
+
+#[test]
+fn angles_of_an_mtg_turn_branches() {
+    let rows = "/P1/A1/U1/E1\t\t\t1\t.1\n\t+E1\t\t2\t.1\t90\t0\n\t+E1\t\t2\t.1\t90\t90\n";
+    let plant = plant_of("Length\tDiam\tInsertion\tAzimuth", rows);
+    assert_near(&plant.segments()[1].tail, &[2.0, 0.0, 1.0]);
+    assert_near(&plant.segments()[2].tail, &[0.0, 2.0, 1.0]);
+}
+
+#[test]
+fn a_later_observation_of_an_mtg_replaces_the_earlier() {
+    let rows = "/P1/A1/U1/E1\t\t\t1\t.1\n*\t\t\t2\n^<E2\t\t\t1\t.1\n";
+    assert_near(plant_of("Length\tDiam", rows).lengths(), &[2.0, 1.0]);
+}
+
+#[test]
+fn components_of_an_mtg_without_coordinates_are_merged() {
+    let rows = "/P1/A1/U1/E1<<E9\t\t\t0\t0\t1\t.2\n^<E10\n\t+E1\t\t1\t0\t1\t.2\n";
+    let plant = plant_of(POINTS, rows);
+    assert_eq!(parents(&plant), [None, Some(0)]);
+    assert!(plant.notes()[0].contains("12 of 14 components"), "{:?}", plant.notes());
+}
+
+#[test]
+fn an_mtg_without_diameters_has_slender_segments_and_a_note() {
+    let rows = "/P1/A1/U1\t\t\t0\t0\t0\n^/E1\t\t\t0\t0\t2\n^<E2\t\t\t0\t0\t4\n";
+    let plant = plant_of("XX\tYY\tZZ", rows);
+    assert_eq!((plant.len(), plant.base()), (2, [0.0; 3]));
+    assert!(plant.segments().iter().all(|s| s.radius == 0.1));
+    assert!(plant.notes().iter().any(|note| note.contains("no diameters")));
+    let rows = "/P1/A1/U1/E1\t\t\t0\t0\t1\t.2\n^<E2\t\t\t0\t0\t200\n";
+    let plant = plant_of(POINTS, rows);
+    assert_eq!(plant.segments()[1].radius, 0.1);
+    let notes = plant.notes().join("; ");
+    assert!(notes.contains("1 of 2 segments have no diameter"), "{notes}");
+    assert!(notes.contains("spans 199 metres"), "{notes}");
+}
+
+#[test]
+fn one_of_several_plants_of_an_mtg_is_read_by_its_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("plants.mtg");
+    let rows = "/P1/A1/U1/E1\t\t\t1\n^<E2\t\t\t2\n/P7/A1/U1/E1\t\t\t3\n/P8/A1/U1/E1\t\t\t4\n";
+    std::fs::write(&path, mtg("Length", rows)).unwrap();
+    let named = |name| read_individual(&path, name, &SourceOptions::new());
+    assert_near(named("P1").unwrap().lengths(), &[1.0, 2.0]);
+    assert_near(named("P7").unwrap().lengths(), &[3.0]);
+    assert_near(named("P8").unwrap().lengths(), &[4.0]);
+    let error = named("P2").unwrap_err().to_string();
+    assert!(error.contains("3 plants (P1, P7, P8): \"P2\" is not one"), "{error}");
+    let other = read_individual(Path::new("plant.swc"), "P1", &SourceOptions::new());
+    assert!(other.unwrap_err().to_string().contains("only .mtg files have names"));
+}
+
+#[test]
+fn latin_1_in_an_mtg_is_read() {
+    let rows = "/P1/A1/U1/E1\t\t\t0\t0\t1\t.2\n";
+    let bytes = [b"# Unit\xe9 de croissance\n", mtg(POINTS, rows).as_bytes()].concat();
+    assert_eq!(read_bytes(&bytes, PlantFormat::Mtg).unwrap().len(), 1);
+}
+
+#[test]
+fn an_mtg_that_is_not_one_plant_with_a_shape_is_refused() {
+    let refused = |features: &str, rows: &str, part: &str| {
+        refusal(&mtg(features, rows), PlantFormat::Mtg, part);
+    };
+    let one = "/P1/A1/U1/E1\t\t\t0\t0\t1\t.2\n";
+    refused(POINTS, &one.repeat(2).replacen("P1", "P3", 1), "has 2 plants (P3, P1)");
+    refused("diam", "/P1/A1/U1/E1\t\t\t4\n", "how 4 components are connected, not where they are");
+    refused("L1\tL2\tL3", "/P1/A1/U1/E1\t\t\t4\t5\t6\n", "distances to three points");
+    let two = "/P1\n\t/A1/U1/E1\t\t0\t0\t1\t.2\n\t/A2/U1/E3\t\t1\t0\t1\t.2\n";
+    refused(POINTS, two, "E3 begins a second stem");
+    refused(POINTS, "/P1/A1/U1/E1<<E99999999\n", "components by ranges");
+    refused(POINTS, "P1\n", "\"P1\" is not a chain of /, < or +");
+    refused(POINTS, "/P1/A1/U1/E1\t\t\t0\tx\t1\n", "coordinate YY: \"x\" is not a finite number");
 }
 
 #[test]
