@@ -221,12 +221,12 @@ pub unsafe extern "C" fn cata_eigs_two_level(
     params: *const cata_eigs_params,
 ) -> cata_status {
     boundary(|| {
-        let of_p = |Failure { status, message }| Failure::new(status, format!("P: {message}"));
         // SAFETY: the caller's promise.
         let ((stiffness, masses), p, outputs) = unsafe {
             (
                 pencil(n, row_starts, columns, entries, masses)?,
-                sparse(n, coarse, p_row_starts, p_columns, p_entries).map_err(of_p)?,
+                sparse(n, coarse, p_row_starts, p_columns, p_entries)
+                    .map_err(|failure| failure.of("P"))?,
                 Outputs::new(n, k, eigenvalues, eigenvectors, ldv, residuals)?,
             )
         };

@@ -46,7 +46,8 @@ pub unsafe extern "C" fn cata_mesh_params_init(
 /// - `face_areas`, `qualities`: n_faces elements each, written. The quality of a face is 2 sqrt(3)
 ///   area / (half the perimeter x the longest edge): 1 for equilateral triangles, 0 for flat ones.
 /// - `face_normals`: 3 for each face, written: of length 1, or 0 for faces without area.
-/// - `vertex_normals`: 3 for each vertex, written: the means over the faces there, by area.
+/// - `vertex_normals`: 3 for each vertex, written: the directions of the means of the normals of
+///   its faces by area, of length 1, or 0 where the mean is 0.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -77,10 +78,10 @@ pub unsafe extern "C" fn cata_mesh_measures(
         };
         mesh.check_size()?;
         tell(totals, [mesh.area(), mesh.volume()]);
-        fill_slice(areas, &mesh.face_areas());
-        fill_slice(qualities, &mesh.qualities());
-        fill_slice(of_faces, mesh.face_normals().as_flattened());
-        fill_slice(of_vertices, mesh.vertex_normals().as_flattened());
+        fill_wanted(areas, || mesh.face_areas());
+        fill_wanted(qualities, || mesh.qualities());
+        fill_wanted(of_faces, || mesh.face_normals().into_flattened());
+        fill_wanted(of_vertices, || mesh.vertex_normals().into_flattened());
         Ok(())
     })
 }
@@ -179,7 +180,8 @@ pub unsafe extern "C" fn cata_mesh_compare(
         let (first, second, sides, at_vertices) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,
-                mesh(other_n_vertices, other_vertices, other_n_faces, other_faces)?,
+                mesh(other_n_vertices, other_vertices, other_n_faces, other_faces)
+                    .map_err(|failure| failure.of("other"))?,
                 [optional_slice_mut("out", out, 3)?, optional_slice_mut("back", back, 3)?],
                 [optional_output("hausdorff", hausdorff)?, optional_output("chamfer", chamfer)?],
             )
@@ -188,8 +190,6 @@ pub unsafe extern "C" fn cata_mesh_compare(
         let work = |params: &cata_mesh_params, progress: Progress<'_>| {
             let par = par(params.threads);
             reported(progress, || {
-                first.check_size()?;
-                second.check_size()?;
                 let spread = wants.0.then(|| Comparison::between(&first, &second, par));
                 let distances = wants.1.then(|| Difference::between(&first, &second, par));
                 Ok::<_, Error>((spread.transpose()?, distances.transpose()?))
@@ -206,4 +206,11 @@ pub unsafe extern "C" fn cata_mesh_compare(
         }
         Ok(())
     })
+}
+
+/// Computes elements where they are wanted.
+fn fill_wanted(place: Option<&mut [f64]>, found: impl FnOnce() -> Vec<f64>) {
+    if let Some(place) = place {
+        place.copy_from_slice(&found());
+    }
 }

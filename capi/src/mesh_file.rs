@@ -2,7 +2,7 @@
 //!
 //! Meshes with texture coordinates, normals, colours and names, from and to files (.obj, .ply,
 //! .off, .stl, .glb, .gltf, .vtk, .gii and .3mf, also packed: .gz) and their bytes in memory; also
-//! from .vtp, .vtu, .msh and surfaces of FreeSurfer.
+//! from .vtp, .vtu, .msh, surfaces of FreeSurfer, and what .xz and .zip pack.
 //!
 //! ```c
 //! const char text[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";

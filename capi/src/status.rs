@@ -102,6 +102,12 @@ impl Failure {
         Self::new(CATA_ERR_ARGUMENT, format!("{what}: must be {must_be}, is {is}"))
     }
 
+    /// The same failure, of one of several things whose arguments have the same names.
+    #[cfg(feature = "chapters")]
+    pub(super) fn of(self, what: &str) -> Self {
+        Self::new(self.status, format!("{what}: {}", self.message))
+    }
+
     pub(super) fn null(what: &str) -> Self {
         Self::new(CATA_ERR_NULL, format!("{what}: must not be NULL"))
     }

@@ -139,7 +139,8 @@ pub unsafe extern "C" fn cata_transfer_details(
             (
                 (
                     mesh(n_vertices, vertices, n_faces, faces)?,
-                    mesh(target_n_vertices, target_vertices, target_n_faces, target_faces)?,
+                    mesh(target_n_vertices, target_vertices, target_n_faces, target_faces)
+                        .map_err(|failure| failure.of("target"))?,
                 ),
                 (
                     known("smooth_source", smooth_source)?.basis(),

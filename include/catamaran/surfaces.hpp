@@ -126,7 +126,8 @@ struct mesh_measures {
     std::vector<double> qualities;
     /// Of length 1; 0 for faces without area.
     point_list face_normals;
-    /// The means over the faces at each vertex, by area.
+    /// The directions of the means of the normals of the faces at each vertex, by area: of length
+    /// 1; 0 where the mean is 0.
     point_list vertex_normals;
 };
 

@@ -56,9 +56,9 @@ pub fn label_surface<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Mesh<'py>> {
     let mask = Array::<u8>::new("labels", mask, &[1])?;
-    let labels: Vec<u16> = mask.entries().iter().map(|&inside| u16::from(inside)).collect();
-    let ((of, rim), par) = (lattice.lattice(), par(lattice.threads)?);
+    let (mask, (of, rim), par) = (mask.entries(), lattice.lattice(), par(lattice.threads)?);
     let found = run(py, Length::Long, progress, move |progress| {
+        let labels: Vec<u16> = mask.iter().map(|&inside| u16::from(inside)).collect();
         surface_of_label(&of, &labels, 1, rim, par, progress)
     })?;
     arrays(py, found)

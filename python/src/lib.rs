@@ -92,7 +92,8 @@ mod _catamaran {
     };
     #[pymodule_export]
     use crate::spectrum::{
-        count_below, eigsh, eigsh_ranks, eigsh_sparse, free_components_mesh, free_components_sparse,
+        count_below_mesh, count_below_sparse, eigsh, eigsh_ranks, eigsh_sparse,
+        free_components_mesh, free_components_sparse,
     };
     #[pymodule_export]
     use crate::tables::read;

@@ -25,6 +25,10 @@ enum Found {
 
 impl Found {
     fn of(mesh: &TriMesh, what: &str, par: Par) -> catamaran::Result<Self> {
+        let topology = ["components", "intersecting_faces", "edges", "boundary_loops"];
+        if !topology.contains(&what) {
+            mesh.check_size()?;
+        }
         Ok(match what {
             "area" => Self::Number(mesh.area()),
             "volume" => Self::Number(mesh.volume()),
@@ -173,7 +177,10 @@ pub fn quality<'py>(
     f: &Bound<'py, PyAny>,
 ) -> PyResult<([f64; 7], usize)> {
     let mesh = mesh(v, f)?;
-    let found = run(py, Length::Long, None, move |_| Ok(Quality::of(&mesh)))?;
+    let found = run(py, Length::Long, None, move |_| {
+        mesh.check_size()?;
+        Ok(Quality::of(&mesh))
+    })?;
     let numbers = [
         found.mean_area,
         found.area_variation,

@@ -64,7 +64,7 @@ fn format_of(name: &str) -> PyResult<MeshFormat> {
     word("format", name, &known)
 }
 
-fn content(py: Python<'_>, file: MeshFile) -> PyResult<FileParts<'_>> {
+fn content(py: Python<'_>, mut file: MeshFile) -> PyResult<FileParts<'_>> {
     let more = PyDict::new(py);
     let faces = file.mesh.faces().len();
     if let Some(uv) = &file.uv {
@@ -75,13 +75,13 @@ fn content(py: Python<'_>, file: MeshFile) -> PyResult<FileParts<'_>> {
         let values = from_rows(py, corners(&file, normals))?;
         more.set_item("normals", values.call_method1("reshape", ((faces, 3, 3),))?)?;
     }
-    if let Some(colors) = &file.colors {
-        more.set_item("colors", from_rows(py, colors.clone())?)?;
+    if let Some(colors) = file.colors.take() {
+        more.set_item("colors", from_rows(py, colors)?)?;
     }
     if !file.scalars.is_empty() {
         let scalars = PyDict::new(py);
-        for Scalars { name, values } in &file.scalars {
-            scalars.set_item(name, from_vec(py, values.clone()))?;
+        for Scalars { name, values } in std::mem::take(&mut file.scalars) {
+            scalars.set_item(name, from_vec(py, values))?;
         }
         more.set_item("scalars", scalars)?;
     }

@@ -134,10 +134,17 @@ pub fn eigsh<'py>(
     let mut options = laplacian_options(kind, mass, boundary, par)?;
     let (mut way, surface) = (search.way(py)?, Surface::new(v, f, weld)?);
     options.boundary = surface.boundary(options.boundary);
+    if let Way::Coarse(weights) = &way
+        && weights.rows() != surface.vertices()
+    {
+        let (n, rows) = (surface.vertices(), weights.rows());
+        let why = format_args!("expected a row for each of {n} vertices, got {rows}");
+        return Err(refused("prolongation", why));
+    }
     let (pairs, pieces) = run(py, Length::Long, progress, move |progress| {
         let found = laplacian(&surface.mesh, &options)?;
         if let Way::Coarse(weights) = &mut way {
-            *weights = of_rows(weights, &found.kept, surface.firsts())?;
+            *weights = of_rows(weights, &found.kept, surface.firsts());
         }
         let extend = |mut vectors: Mat<f64>| -> catamaran::Result<Mat<f64>> {
             if found.kept.len() < found.vertices {
@@ -154,19 +161,10 @@ pub fn eigsh<'py>(
 
 /// The rows of a prolongation that belong to the rows of the matrices: `kept` vertices of the mesh,
 /// which are the `firsts` of the caller.
-fn of_rows(
-    weights: &CsMat<f64>,
-    kept: &[usize],
-    firsts: impl Fn(usize) -> usize,
-) -> catamaran::Result<CsMat<f64>> {
-    let (n, columns) = weights.shape();
+fn of_rows(weights: &CsMat<f64>, kept: &[usize], firsts: impl Fn(usize) -> usize) -> CsMat<f64> {
     let rows: Vec<usize> = kept.iter().map(|&v| firsts(v)).collect();
-    if let Some(row) = rows.iter().find(|&&row| row >= n) {
-        let why = format!("no row for vertex {row}: it has {n} rows");
-        return Err(Error::Argument { what: "prolongation", why });
-    }
-    let all: Vec<Option<usize>> = (0..columns).map(Some).collect();
-    Ok(select(weights.view(), &rows, &all, columns))
+    let all: Vec<Option<usize>> = (0..weights.cols()).map(Some).collect();
+    select(weights.view(), &rows, &all, all.len())
 }
 
 /// Eigenpairs of a sparse symmetric matrix, and the number of components of its graph whose rows
@@ -194,7 +192,7 @@ pub fn eigsh_sparse<'py>(
 /// `catamaran.count_below`.
 #[pyfunction]
 #[pyo3(signature = (a, mass, value))]
-pub fn count_below<'py>(
+pub fn count_below_sparse<'py>(
     py: Python<'py>,
     a: Csr<'py>,
     mass: Option<&Bound<'py, PyAny>>,
@@ -203,6 +201,29 @@ pub fn count_below<'py>(
     let a = a.matrix("a")?.to_matrix()?;
     let mass = mass_of(mass, a.rows())?;
     run(py, Length::Long, None, move |_| below(a.view(), &mass, value))
+}
+
+/// The number of eigenvalues of the Laplacian of a mesh below a value; see `catamaran.count_below`.
+#[pyfunction]
+#[pyo3(signature = (v, f, kind, mass, boundary, weld, threads, value))]
+pub fn count_below_mesh<'py>(
+    py: Python<'py>,
+    v: &Bound<'py, PyAny>,
+    f: &Bound<'py, PyAny>,
+    kind: &str,
+    mass: &str,
+    boundary: &Bound<'py, PyAny>,
+    weld: bool,
+    threads: Threads,
+    value: f64,
+) -> PyResult<usize> {
+    let mut options = laplacian_options(kind, mass, boundary, par(threads)?)?;
+    let surface = Surface::new(v, f, weld)?;
+    options.boundary = surface.boundary(options.boundary);
+    run(py, Length::Long, None, move |_| {
+        let found = laplacian(&surface.mesh, &options)?;
+        below(found.stiffness.view(), &found.mass, value)
+    })
 }
 
 /// The number of components of the graph of a matrix whose rows sum to zero; see

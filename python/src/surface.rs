@@ -32,6 +32,11 @@ impl Surface {
         }
     }
 
+    /// The number of vertices of the caller.
+    pub fn vertices(&self) -> usize {
+        self.joined.as_ref().map_or(self.mesh.vertices().len(), Vec::len)
+    }
+
     /// The boundary, whose vertices are those of the caller, on the mesh.
     pub fn boundary(&self, boundary: Boundary) -> Boundary {
         let (Boundary::Mixed(vertices), Some(joined)) = (&boundary, &self.joined) else {

@@ -99,6 +99,23 @@ def test_meshes_are_compared_both_ways():
     assert same.out.largest < 1e-9 and same.out == same.back
     with pytest.raises(ValueError, match="mesh: has no face"):
         sphere.compare(Mesh(sphere.v, sphere.f[:0]))
+    for wrong in (None, sphere.v, (sphere.v,)):
+        with pytest.raises(TypeError, match="other: expected a mesh, or vertices and faces"):
+            sphere.compare(wrong)
+
+
+def test_sizes_beyond_the_range_of_areas_are_refused():
+    sphere = shapes.icosphere(0)
+    v = sphere.v.copy()
+    v[3] *= 1e80
+    far = Mesh(v, sphere.f)
+    names = "area volume face_areas vertex_areas qualities face_normals vertex_normals".split()
+    calls = [lambda name=name: getattr(far, name) for name in names]
+    calls += [far.quality, lambda: far.compare(sphere), lambda: sphere.compare(far)]
+    for call in calls:
+        with pytest.raises(ValueError, match="vertex 3: position .* is out of range"):
+            call()
+    assert far.edges.shape == (30, 2) and far.boundary_loops == []
 
 
 def test_quality_and_difference_of_a_decimation():
@@ -141,7 +158,9 @@ def test_isosurfaces_are_where_the_values_say():
     values = 1 - x**2 - y**2 - (z / 1.5) ** 2
     how = {"origin": (-1.5, -1.5, -2), "step": (0.1, 0.1, 0.1)}
     ball = catamaran.isosurface(values, **how)
-    assert ball.validate().genus == 0 and abs(ball.volume / (2 * np.pi) - 1) < 0.02
+    # Linear values are too small, by 0.01 (1/4 + 1/4 + 1/9) at most, and so is the ball; vertices
+    # are at least 1/1024 of an edge of the lattice away from its ends.
+    assert ball.validate().genus == 0 and 0.99 < ball.volume / (2 * np.pi) < 1.001
     assert np.allclose(np.linalg.norm(ball.v / [1, 1, 1.5], axis=1), 1, atol=0.01)
     half = catamaran.isosurface(values[:16], open=True, **how)
     assert half.validate().boundary_loops == 1 and np.isclose(half.v[:, 0].max(), 0)
@@ -157,6 +176,36 @@ def test_isosurfaces_are_where_the_values_say():
         catamaran.isosurface(values, step=(0.1, 0.0, 0.1))
     with pytest.raises(ValueError, match="values: not finite"):
         catamaran.isosurface(np.full((2, 2, 2), np.nan))
+    with pytest.raises(ValueError, match="level: must not be NaN"):
+        catamaran.isosurface(values, np.nan)
+
+
+def test_masked_entries_are_refused():
+    def masked(values):
+        return np.ma.array(values, mask=np.arange(np.size(values)).reshape(np.shape(values)) == 0)
+
+    refined = catamaran.place(DISK, [0], [[0.2, 0.3, 0.5]]).refined
+    calls = [
+        ("values", lambda: catamaran.isosurface(masked(np.ones((2, 2, 2))))),
+        ("labels", lambda: catamaran.label_surface(masked(np.ones((2, 2, 2))), 1)),
+        ("region", lambda: catamaran.region_boundary(DISK, masked(DISK.face_areas > 0))),
+        ("values", lambda: refined.carried(masked(DISK.v[:, 0]))),
+        ("uv", lambda: catamaran.mesh_to_bytes(DISK, "ply", uv=masked(DISK.v[DISK.f][:, :, :2]))),
+        ("values", lambda: catamaran.decimate(TORUS, 200).carried(TORUS.f, masked(TORUS.v))),
+    ]
+    for name, call in calls:
+        with pytest.raises(ValueError, match=f"{name}: 1 entries are masked"):
+            call()
+
+
+def test_values_of_any_type_and_order_are_one_function():
+    rng = np.random.default_rng(3)
+    values = rng.integers(-9, 9, (4, 5, 6))
+    right = catamaran.isosurface(values, 0.5)
+    orders = [np.asfortranarray(values, float), np.array(values, float), values.astype("f4")]
+    for same in [*orders, np.repeat(values.astype(float), 2, axis=1)[:, ::2]]:
+        found = catamaran.isosurface(same, 0.5)
+        assert np.array_equal(found.v, right.v) and np.array_equal(found.f, right.f)
 
 
 def test_files_in_memory_are_those_on_disk(tmp_path):
@@ -181,5 +230,5 @@ def test_files_in_memory_are_those_on_disk(tmp_path):
     assert np.array_equal(more["colors"][:, :3], np.round(colors))
     with pytest.raises(OSError, match="mesh.ply"):
         catamaran.mesh_from_bytes(b"OFF\n0 0 0\n", "ply")
-    with pytest.raises(ValueError, match="text: glTF"):
+    with pytest.raises(ValueError, match="text: this format has no text"):
         catamaran.mesh_to_bytes(DISK, "glb", text=True)

@@ -78,8 +78,9 @@ def test_pairs_of_a_coarse_mesh_are_near_and_never_too_small():
     for more in ({"memory": 1 << 30}, {"sink": print}):
         with pytest.raises(ValueError, match="prolongation: not together with"):
             catamaran.eigsh(SPHERE, k=3, prolongation=weights, **more)
-    with pytest.raises(ValueError, match="prolongation: no row for vertex 100: it has 100 rows"):
-        catamaran.eigsh(SPHERE, k=3, prolongation=weights[:100])
+    for wrong in (weights[:100], scipy.sparse.vstack([weights, weights[:1]])):
+        with pytest.raises(ValueError, match="prolongation: expected a row for each of 642 vert"):
+            catamaran.eigsh(SPHERE, k=3, prolongation=wrong)
     with pytest.raises(ValueError, match="verify_count"):
         catamaran.eigsh(SPHERE, k=3, prolongation=weights, verify_count=True)
 
@@ -103,6 +104,11 @@ def test_eigenvalues_below_a_value_are_counted():
         assert catamaran.count_below(stiffness, mass.diagonal(), middle) == i + 1
     disk = shapes.disk()
     assert catamaran.count_below(disk, 3.0, boundary="dirichlet") == 0
+    v, f = SPHERE
+    soup = v[f].reshape(-1, 3), np.arange(3 * len(f)).reshape(-1, 3)
+    assert catamaran.count_below(*soup, 4.0, weld=True, mass="full") == 4
+    with pytest.raises(ValueError, match="kind: 'x' is not one of"):
+        catamaran.count_below(disk, 3.0, kind="x")
     diagonal = scipy.sparse.diags_array([1.0, 2.0, 5.0]).tocsr()
     assert catamaran.count_below(diagonal, None, 2.5) == 2
     with pytest.raises(ValueError, match="value: .*is an eigenvalue"):

@@ -30,6 +30,9 @@ def test_curves_become_edges_of_a_finer_mesh():
     assert np.allclose(np.einsum("ij,ijk->ik", weights, GRID.v[vertices]), mesh.v)
     assert np.allclose(found.refined.carried(GRID.v), mesh.v)
     assert np.allclose(found.refined.carried(GRID.v[:, 0]), mesh.v[:, 0])
+    for few in (GRID.v[:80], 1.0):
+        with pytest.raises(ValueError, match="values: expected a row for each vertex, at least 81"):
+            found.refined.carried(few)
     assert np.allclose(np.bincount(faces, mesh.face_areas), GRID.face_areas)
 
 

@@ -69,6 +69,8 @@ catamaran.decimate(mesh, 12, method="uniform").mesh.to_trimesh()
 catamaran.decimate(v, f, 12)
 catamaran.laplacian(v=v, f=f, kind="tufted").stiffness
 catamaran.eigsh(mesh, k=3).values
+catamaran.count_below(mesh, 3.0)
+mesh.compare((v, f)).out
 catamaran.ata(a, scheme="strasen")
 catamaran.decimate(mesh, 12, method="unifrm")
 catamaran.laplacian(v, f, kind="x")

@@ -307,6 +307,28 @@ static void test_refusals(void)
                  CATA_ERR_CANCELLED);
     CHECK_STATUS(cata_map_zoomout(from, to, 1, CATA_ROW_MAJOR, 3, K + 1, c, K + 1, map, K, found, NULL),
                  CATA_ERR_SHAPE);
+    static double o[N * N] = {5};
+    CHECK_STATUS(cata_map_of_products(NULL, to, products, products, CATA_ROW_MAJOR, c, K, 0, o, N, NULL),
+                 CATA_ERR_NULL);
+    CHECK_MENTIONS("source_eigen: must not be NULL");
+    CHECK_STATUS(cata_map_of_products(from, products, products, products, CATA_ROW_MAJOR, c, K, 0, o, N, NULL),
+                 CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("target_eigen: must be a basis of cata_basis_new");
+    CHECK_STATUS(cata_map_of_products(from, to, from, products, CATA_ROW_MAJOR, c, K, 0, o, N, NULL),
+                 CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("source: needs a basis of cata_basis_products");
+    CHECK_STATUS(cata_map_of_products(from, to, products, products, CATA_ROW_MAJOR, NULL, K, 0, o, N, NULL),
+                 CATA_ERR_NULL);
+    CHECK_MENTIONS("c: must not be NULL");
+    CHECK_STATUS(cata_map_of_products(from, to, products, products, CATA_ROW_MAJOR, o, K, 0, o, N, NULL),
+                 CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("o: must not overlap c");
+    CHECK_STATUS(cata_map_of_products(from, to, products, products, CATA_ROW_MAJOR, c, K, 2, o, N, NULL),
+                 CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("of_all");
+    CHECK_STATUS(cata_map_of_products(from, to, products, products, CATA_ROW_MAJOR, c, K, 1, o, N, &params),
+                 CATA_ERR_CANCELLED);
+    CHECK(o[0] == 5);
     CHECK_STATUS(cata_map_points(from, to, CATA_ROW_MAJOR, c, K, found, &params), CATA_ERR_CANCELLED);
     c[3] = INFINITY;
     CHECK_STATUS(cata_map_points(from, to, CATA_ROW_MAJOR, c, K, found, NULL), CATA_ERR_NON_FINITE);
@@ -396,6 +418,7 @@ static void test_details(size_t count)
     CHECK_STATUS(cata_transfer_details(V, positions, F, corners, V, positions, 1, beyond, few, few, many, many,
                                        CATA_COL_MAJOR, map, MANY, moved, NULL),
                  CATA_ERR_MESH);
+    CHECK_MENTIONS("target: face 0");
     CHECK_STATUS(cata_transfer_details(V - 1, positions, 0, corners, V, positions, F, corners, few, few, many,
                                        many, CATA_COL_MAJOR, map, MANY, moved, NULL),
                  CATA_ERR_SHAPE);

@@ -37,9 +37,10 @@ impl Difference {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Mesh`] when one of them has no face.
+    /// [`Error::Mesh`] when one of them has no face, and that of [`TriMesh::check_size`].
     pub fn between(first: &TriMesh, second: &TriMesh, par: Par) -> Result<Self> {
         for mesh in [first, second] {
+            mesh.check_size()?;
             if mesh.faces().is_empty() {
                 return Err(Error::Mesh { what: "has no face".into(), element: "mesh".into() });
             }

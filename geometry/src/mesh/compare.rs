@@ -53,8 +53,11 @@ impl Comparison {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Mesh`] when one of them has no face with an area.
+    /// [`Error::Mesh`] when one of them has no face with an area, and that of
+    /// [`TriMesh::check_size`].
     pub fn between(first: &TriMesh, second: &TriMesh, par: Par) -> Result<Self> {
+        first.check_size()?;
+        second.check_size()?;
         let [a, b] = [Triangles::of(first), Triangles::of(second)];
         Ok(Self { out: one_sided(first, &b, par)?, back: one_sided(second, &a, par)? })
     }

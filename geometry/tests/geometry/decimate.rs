@@ -632,6 +632,22 @@ fn differences_have_exact_values() {
 }
 
 #[test]
+fn meshes_beyond_the_range_of_areas_are_not_compared() {
+    let square = families::grid(1, 1).unwrap();
+    let far = square.vertices().iter().map(|p| p.map(|x| 1e80 * x)).collect();
+    let far = TriMesh::new(far, square.faces().to_vec()).unwrap();
+    for [a, b] in [[&square, &far], [&far, &square]] {
+        let refused = [
+            Difference::between(a, b, Par::Seq).unwrap_err(),
+            Comparison::between(a, b, Par::Seq).unwrap_err(),
+        ];
+        for error in refused {
+            assert!(error.to_string().contains("is out of range"), "{error}");
+        }
+    }
+}
+
+#[test]
 fn colours_and_texture_coordinates_are_carried() {
     let mesh = families::terrain(40, 40, 2).unwrap();
     let mut file = MeshFile::from(mesh.clone());

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
-from ._options import Progress, callback, to_nearest, to_scipy
-from ._surface import Mesh, MeshLike, needed, takes_mesh
+from ._options import Progress, callback, matrix_of, to_nearest, to_scipy
+from ._surface import Mesh, MeshOrArrays, needed, takes_mesh
 from ._words import Reduction
 
 __all__ = ["Decimated", "Difference", "FarthestPoints", "Origin", "decimate", "farthest_points"]
@@ -61,7 +61,7 @@ class Decimated(NamedTuple):
         values : array_like, a row for each vertex of the input
             Colours, functions, or other numbers; texture coordinates if the mesh has no seams.
         """
-        corners = np.asarray(values)[np.asarray(f)[self.origin.face]]
+        corners = matrix_of("values", values)[np.asarray(f)[self.origin.face]]
         found: NDArray[Any] = np.einsum("ij,ij...->i...", self.origin.barycentric, corners)
         return found
 
@@ -70,9 +70,9 @@ class Decimated(NamedTuple):
         """The vertices and faces."""
         return Mesh(self.v, self.f)
 
-    def difference(self, mesh: MeshLike, *, threads: Optional[int] = None) -> Difference:
+    def difference(self, mesh: MeshOrArrays, *, threads: Optional[int] = None) -> Difference:
         """Measure distances between a mesh, such as the input, and the result."""
-        return Difference(*_catamaran.difference(needed(mesh), self.mesh, threads))
+        return Difference(*_catamaran.difference(needed("mesh", mesh), self.mesh, threads))
 
 
 @takes_mesh

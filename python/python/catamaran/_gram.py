@@ -374,9 +374,7 @@ def lstsq(
     found, columns, left_out = _catamaran.lstsq_table(
         rows_of(a), codes, levels, b, weights, missing == "drop", options, callback(progress)
     )
-    found.update(
-        factor_columns=tuple(columns), left_out=tuple(left_out), feature_names=names_of(a)
-    )
+    found.update(factor_columns=tuple(columns), left_out=tuple(left_out), feature_names=names_of(a))
     return solution(found, np.ndim(b) == 1)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _catamaran
-from ._options import Progress, callback
+from ._options import Progress, callback, matrix_of
 from ._surface import Mesh
 
 __all__ = ["isosurface", "label_surface"]
@@ -51,7 +51,7 @@ def isosurface(
     Raises
     ------
     ValueError
-        For a value that is NaN, or a step that is not positive.
+        For a value or a level that is NaN, or a step that is not positive.
 
     Examples
     --------
@@ -62,7 +62,11 @@ def isosurface(
     >>> ball.validate().genus, round(ball.volume)  # 4 / 3 pi
     (0, 4)
     """
-    flat, lattice = of_lattice("values", np.asarray(values), origin, step, open, threads)
+    numbers = matrix_of("values", values)
+    if numbers.dtype == np.float64:
+        # One copy, in the order and the precision of the extension.
+        numbers = numbers.astype(np.float32, order="F")
+    flat, lattice = of_lattice("values", numbers, origin, step, open, threads)
     return Mesh(*_catamaran.isosurface(flat, level, lattice, callback(progress)))
 
 
@@ -98,7 +102,7 @@ def label_surface(
     >>> cube.v.min(axis=0), cube.v.max(axis=0)
     (array([1., 0., 0.]), array([2., 1., 1.]))
     """
-    mask = np.asarray(np.asarray(labels) == label)
+    mask = np.asarray(matrix_of("labels", labels) == label)
     flat, lattice = of_lattice("labels", mask.view(np.uint8), origin, step, open, threads)
     return Mesh(*_catamaran.label_surface(flat, lattice, callback(progress)))
 

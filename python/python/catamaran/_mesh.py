@@ -16,6 +16,7 @@ from ._options import (
     csr,
     is_sparse,
     mass_of,
+    matrix_of,
     to_scipy,
     warn_caller,
     warn_of_pieces,
@@ -42,9 +43,8 @@ __all__ = [
 ]
 
 
-
 def read_mesh(path: Path, *, attributes: bool = False) -> Any:
-    """Read a mesh, in a format of docs/guide/mesh-files.md, also with .gz or .xz after it.
+    """Read a mesh, in a format of docs/guide/mesh-files.md, also packed (.gz, .xz, .zst, .zip).
 
     Parameters
     ----------
@@ -135,7 +135,7 @@ def write_mesh(
     if mesh is None:
         raise TypeError("f: missing, and v is not a mesh")
     if uv is not None:
-        uv = np.asarray(uv, dtype=np.float64)
+        uv = np.asarray(matrix_of("uv", uv), dtype=np.float64)
     warn(path, _catamaran.write_mesh(path, mesh[0], mesh[1], colors, uv, overwrite, text))
 
 
@@ -192,7 +192,7 @@ def mesh_to_bytes(
     b'OFF\\n4 2 '
     """
     if uv is not None:
-        uv = np.asarray(uv, dtype=np.float64)
+        uv = np.asarray(matrix_of("uv", uv), dtype=np.float64)
     data, notes = _catamaran.mesh_to_bytes(v, f, format, colors, uv, text)
     warn(f"mesh.{format}", notes)
     return data
@@ -542,7 +542,7 @@ def eigsh(
     return Eigenpairs(*pairs)
 
 
-@with_mesh
+@takes_mesh
 def count_below(
     v: Any,
     f: Any,
@@ -583,11 +583,9 @@ def count_below(
     >>> catamaran.count_below(catamaran.shapes.icosphere(3), 4.0)  # of a sphere: 0, 2, 2, 2, 6
     4
     """
-    if not is_sparse(v):
-        v, f, _ = laplacian(
-            v, f, kind=kind, mass=mass, boundary=boundary, weld=weld, threads=threads
-        )
-    return _catamaran.count_below(csr(v), mass_of(f), value)
+    if is_sparse(v):
+        return _catamaran.count_below_sparse(csr(v), mass_of(f), value)
+    return _catamaran.count_below_mesh(v, f, kind, mass, boundary, weld, threads, value)
 
 
 @with_mesh

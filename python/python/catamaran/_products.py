@@ -162,7 +162,8 @@ def ata(
         more = {"scheme": way, "accuracy": accuracy, "threads": threads, "progress": progress}
         kind: Sums = "exact" if exact else "float"
         total = sums(comm, a, None, weights, kind, center is True, dtype, more)
-        return of_first(comm, lambda: total.result(alpha=alpha, uplo=uplo))
+        c: NDArray[Any] = of_first(comm, lambda: total.result(alpha=alpha, uplo=uplo))
+        return c
     options = products(uplo, scheme, accuracy, reproducible, threads, backend)
     if progress is not None:
         progress = callback(progress)

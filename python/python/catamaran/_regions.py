@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
+from ._options import matrix_of
 from ._surface import Part, part, takes_mesh
 from ._words import Side
 
@@ -117,7 +118,7 @@ def region_boundary(v: ArrayLike, f: ArrayLike, region: ArrayLike) -> NDArray[An
     >>> catamaran.region_boundary(mesh, catamaran.enclosed_faces(mesh, [[2, 3]]))
     array([[2, 3]])
     """
-    mask = np.asarray(region)
+    mask = matrix_of("region", region)
     if mask.dtype != np.bool_:
         raise TypeError(f"region: {mask.dtype}, where each face has a truth value")
     return _catamaran.region_boundary(v, f, mask.view(np.uint8))

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _catamaran
 from ._options import Progress, callback, part, to_nearest, to_scipy, warn_of_pieces
 from ._show import axes
-from ._surface import Mesh, MeshLike, mesh_arrays, takes_mesh, with_mesh
+from ._surface import Mesh, MeshLike, MeshOrArrays, mesh_arrays, takes_mesh, with_mesh
 from ._words import Kind, Method, Refinement
 
 __all__ = [
@@ -201,7 +201,7 @@ def _restored(*parts: Any) -> Eigenbasis:
 
 
 #: What functions take: a basis, vertices and faces, or a mesh.
-Shape = Union[Eigenbasis, Tuple[ArrayLike, ArrayLike], MeshLike]
+Shape = Union[Eigenbasis, MeshOrArrays]
 
 
 #: The part of the progress of a call that a basis takes.
@@ -525,9 +525,7 @@ def geodesic_rings(
     >>> bool(np.allclose(found[:, [1, 3]], 1) and np.allclose(found[:, 0] + found[:, 2], 1))
     True
     """
-    return _catamaran.geodesic_rings(
-        v, f, functions, radius, rings, threads, callback(progress)
-    )
+    return _catamaran.geodesic_rings(v, f, functions, radius, rings, threads, callback(progress))
 
 
 def transfer(
@@ -590,8 +588,8 @@ def transfer(
 
 
 def transfer_details(
-    source: Union[MeshLike, Tuple[ArrayLike, ArrayLike]],
-    target: Union[MeshLike, Tuple[ArrayLike, ArrayLike]],
+    source: MeshOrArrays,
+    target: MeshOrArrays,
     *,
     points: Optional[ArrayLike] = None,
     smooth: int = 20,

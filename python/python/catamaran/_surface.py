@@ -24,10 +24,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
 from ._measure import Comparison, OneSided, Quality, Validation
-from ._options import to_nearest
+from ._options import matrix_of, to_nearest
 from ._show import axes
 
-__all__ = ["Mesh", "MeshLike", "Part", "Refined", "mesh_arrays", "takes_mesh", "with_mesh"]
+__all__ = [
+    "Mesh",
+    "MeshLike",
+    "MeshOrArrays",
+    "Part",
+    "Refined",
+    "mesh_arrays",
+    "takes_mesh",
+    "with_mesh",
+]
 
 
 class Mesh(NamedTuple):
@@ -156,12 +165,12 @@ class Mesh(NamedTuple):
         numbers, edges = _catamaran.quality(self.v, self.f)
         return Quality._make([*numbers, edges])
 
-    def compare(self, other: MeshLike, *, threads: Optional[int] = None) -> Comparison:
+    def compare(self, other: MeshOrArrays, *, threads: Optional[int] = None) -> Comparison:
         """Measure how far the surface is from that of another mesh, and the other way round.
 
         Distances are those of the vertices, and of 100,000 points spread over each surface.
         """
-        out, back = _catamaran.compare(self, needed(other), threads)
+        out, back = _catamaran.compare(self, needed("other", other), threads)
         return Comparison(OneSided(*out), OneSided(*back))
 
     def submesh(self, faces: ArrayLike) -> Part:
@@ -235,9 +244,13 @@ class Refined(NamedTuple):
         values : array_like, a row for each vertex of the coarse mesh
             Colours, functions, or other numbers.
         """
-        found: NDArray[Any] = np.einsum(
-            "ij,ij...->i...", self.weights, np.asarray(values)[self.vertices]
-        )
+        given = matrix_of("values", values)
+        count = int(self.vertices.max(initial=-1)) + 1
+        if given.ndim == 0 or len(given) < count:
+            raise ValueError(
+                f"values: expected a row for each vertex, at least {count}, got {given.shape}"
+            )
+        found: NDArray[Any] = np.einsum("ij,ij...->i...", self.weights, given[self.vertices])
         return found
 
 
@@ -265,6 +278,8 @@ class _Points(Protocol):
 
 #: A mesh of this package, of trimesh, meshio or pyvista.
 MeshLike = Union[Mesh, _Vertices, _Points]
+#: A mesh, or its vertices and faces.
+MeshOrArrays = Union[MeshLike, Tuple[ArrayLike, ArrayLike]]
 
 
 def mesh_arrays(mesh: Any) -> Optional[Tuple[Any, Any]]:
@@ -298,15 +313,19 @@ def mesh_arrays(mesh: Any) -> Optional[Tuple[Any, Any]]:
     return None
 
 
-def needed(mesh: Any) -> Tuple[Any, Any]:
+def needed(name: str, mesh: Any) -> Tuple[Any, Any]:
     """Return vertices and faces of a mesh, or of a pair of them."""
-    v, f = mesh_arrays(mesh) or mesh
-    return v, f
+    found = mesh_arrays(mesh) or mesh
+    if not isinstance(found, (tuple, list)) or len(found) != 2:
+        kind = type(mesh).__name__
+        raise TypeError(f"{name}: expected a mesh, or vertices and faces, got {kind}")
+    return found[0], found[1]
 
 
 F = TypeVar("F", bound=Callable[..., Any])
 P = ParamSpec("P")
 R = TypeVar("R", covariant=True)
+V = TypeVar("V", contravariant=True)
 
 
 def with_mesh(function: F) -> F:
@@ -322,15 +341,15 @@ def with_mesh(function: F) -> F:
     return cast(F, taking)
 
 
-class MeshFunction(Protocol[P, R]):
+class MeshFunction(Protocol[V, P, R]):
     """A function of `takes_mesh`."""
 
     @overload
-    def __call__(self, v: ArrayLike, f: ArrayLike, *args: P.args, **kwargs: P.kwargs) -> R: ...
+    def __call__(self, v: V, f: V, *args: P.args, **kwargs: P.kwargs) -> R: ...
     @overload
     def __call__(self, v: MeshLike, *args: P.args, **kwargs: P.kwargs) -> R: ...
 
 
-def takes_mesh(function: Callable[Concatenate[ArrayLike, ArrayLike, P], R]) -> MeshFunction[P, R]:
+def takes_mesh(function: Callable[Concatenate[V, V, P], R]) -> MeshFunction[V, P, R]:
     """Do as `with_mesh`, and tell type checkers."""
-    return cast(MeshFunction[P, R], with_mesh(function))
+    return cast(MeshFunction[V, P, R], with_mesh(function))

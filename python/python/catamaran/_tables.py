@@ -185,7 +185,9 @@ def read(
     known = [*found["names"], *map(str, found["numbers"])]
     for name in wanted:
         if name not in known:
-            raise ValueError(f"factors: no column {name} is read; the columns are {known}")
+            more = ", ..." if len(known) > 20 else ""
+            those = ", ".join(known[:20]) + more
+            raise ValueError(f"factors: no column {name} is read; the columns are {those}")
     if not found.get("is_plain", True):
         warn_caller(f"{os.fspath(path)}: {found['reading']}")
     if "sparse" in found:

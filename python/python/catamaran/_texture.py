@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
-from ._options import Progress, callback, warn_caller
+from ._options import Progress, callback, matrix_of, warn_caller
 from ._show import axes
 from ._surface import takes_mesh
 from ._words import Gradient
@@ -130,7 +130,7 @@ def slime(
         "threads": threads,
     }
     if uv is not None:
-        uv = np.asarray(uv, dtype=np.float64)
+        uv = np.asarray(matrix_of("uv", uv), dtype=np.float64)
     texture, corners, coverage, count = _catamaran.slime(
         v, f, steps, mould, uv, start, ground, callback(progress)
     )

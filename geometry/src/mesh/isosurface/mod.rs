@@ -42,9 +42,9 @@ use catamaran::base::{Error, Par, Progress, Result, reserved};
 ///
 /// # Errors
 /// [`Error::Shape`] when there are not as many values as points; [`Error::NonFinite`] names a value
-/// (row 0, its number) that is not a number; [`Error::Argument`] for a lattice without two points a
-/// way (with [`Rim::Open`]), with steps that are not positive, or of more points or vertices than
-/// 2^32 - 1; [`Error::OutOfMemory`]; [`Error::Cancelled`].
+/// (row 0, its number) that is not a number; [`Error::Argument`] for such a level, and for a
+/// lattice without two points a way (with [`Rim::Open`]), with steps that are not positive, or of
+/// more points or vertices than 2^32 - 1; [`Error::OutOfMemory`]; [`Error::Cancelled`].
 pub fn isosurface(
     lattice: &Lattice,
     values: &[f32],
@@ -54,6 +54,9 @@ pub fn isosurface(
     progress: Progress<'_>,
 ) -> Result<TriMesh> {
     lattice.check(values.len(), "values")?;
+    if level.is_nan() {
+        return Err(Error::Argument { what: "level", why: "must not be NaN".into() });
+    }
     if let Some(i) = values.iter().position(|x| x.is_nan()) {
         return Err(Error::NonFinite { what: "values", index: (0, i) });
     }

@@ -145,6 +145,8 @@ fn what_is_wrong_is_named() {
     values[17] = f32::NAN;
     let wrong = Error::NonFinite { what: "values", index: (0, 17) };
     assert_eq!(run(&lattice, &values, Rim::Closed), wrong);
+    let level = isosurface(&lattice, &[0.0; 64], f32::NAN, Rim::Closed, Par::Seq, Progress::none());
+    assert_eq!(level.unwrap_err().to_string(), "level: must not be NaN");
     values[17] = f32::INFINITY;
     let found = isosurface(&lattice, &values, 0.0, Rim::Closed, Par::Seq, Progress::none());
     assert_eq!(euler(&found.unwrap()), 2, "an infinite value is inside");
