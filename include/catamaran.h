@@ -358,7 +358,8 @@ cata_status cata_ata_sparse_f32(int32_t layout, int32_t uplo, size_t m, size_t n
 /** Describes how cata_ata_f64 computes A^T A for the same m, n and params: the recursion, its tasks
  * and scratch, and the expected seconds on one core.
  *
- * `size`, `text`: so many elements, written: lines of text, cut to fit, with a NUL; 2048 is enough. */
+ * `size`, `text`: so many elements, written: lines of text, cut to fit, with a NUL; 2048 is
+ * enough. */
 cata_status cata_ata_plan_f64(size_t m, size_t n, const cata_ata_params *params, size_t size,
     char *text);
 
@@ -1161,7 +1162,7 @@ cata_status cata_ortho_cholesky_qr(int32_t layout, size_t n, size_t c, double *a
  * @defgroup mesh_files Mesh files
  * Meshes with texture coordinates, normals, colours and names, from and to files (.obj, .ply,
  * .off, .stl, .glb, .gltf, .vtk, .gii and .3mf, also packed: .gz) and their bytes in memory; also
- * from .vtp, .vtu, .msh and surfaces of FreeSurfer.
+ * from .vtp, .vtu, .msh, surfaces of FreeSurfer, and what .xz and .zip pack.
  * @code{.c}
  * const char text[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
  * cata_mesh_file *file;
@@ -1316,6 +1317,16 @@ cata_status cata_mesh_file_get_names(const cata_mesh_file *file, int32_t kind, u
  *   CATA_MESH_NO_NAME. */
 cata_status cata_mesh_file_set_names(cata_mesh_file *file, int32_t kind, size_t count,
     const char *const *names, const uint32_t *of_faces);
+
+/** Gets the number of functions on the vertices that the file has (VTK, GIFTI, Gmsh): 0 for none. */
+cata_status cata_mesh_file_scalars(const cata_mesh_file *file, size_t *count);
+
+/** Gets a function on the vertices. NULL where not wanted.
+ * - `index`: its number, from 0, less than that of cata_mesh_file_scalars.
+ * - `name`: `size` elements, written: the name, cut to fit, and NUL; in UTF-8.
+ * - `values`: n_vertices elements, written: NaN where there is no value. */
+cata_status cata_mesh_file_get_scalars(const cata_mesh_file *file, size_t index, size_t size,
+    char *name, double *values);
 
 /** @} */
 
@@ -1520,8 +1531,8 @@ cata_status cata_mesh_edges(size_t n_vertices, const double *vertices, size_t n_
 
 /** Finds the connected components of a mesh, numbered from 0 by their lowest vertex: two faces with
  * a common vertex are in the same one.
- * - `of_vertices`: n_vertices elements, written: the component of each vertex, UINT32_MAX for those
- *   that no face has. NULL where not wanted.
+ * - `of_vertices`: n_vertices elements, written: the component of each vertex, UINT32_MAX for
+ *   those that no face has. NULL where not wanted.
  * - `of_faces`: n_faces elements, written. NULL where not wanted.
  * - `count`: written: the number of components. */
 cata_status cata_mesh_components(size_t n_vertices, const double *vertices, size_t n_faces,
@@ -1563,7 +1574,8 @@ cata_status cata_mesh_params_init(cata_mesh_params *params, size_t struct_size);
  * - `face_areas`, `qualities`: n_faces elements each, written. The quality of a face is 2 sqrt(3)
  *   area / (half the perimeter x the longest edge): 1 for equilateral triangles, 0 for flat ones.
  * - `face_normals`: 3 for each face, written: of length 1, or 0 for faces without area.
- * - `vertex_normals`: 3 for each vertex, written: the means over the faces there, by area. */
+ * - `vertex_normals`: 3 for each vertex, written: the directions of the means of the normals of
+ *   its faces by area, of length 1, or 0 where the mean is 0. */
 cata_status cata_mesh_measures(size_t n_vertices, const double *vertices, size_t n_faces,
     const uint32_t *faces, double *area, double *volume, double *face_areas, double *qualities,
     double *face_normals, double *vertex_normals);
@@ -1585,8 +1597,8 @@ cata_status cata_mesh_quality(size_t n_vertices, const double *vertices, size_t 
  *   distance, of vertices and of 100,000 points spread by area, from the other surface; the mean
  *   distance of these points; and the mean angle between the normals there, in degrees.
  * - `hausdorff`: written: the largest distance of a vertex of either mesh from the other surface.
- * - `chamfer`: written: the mean square of the distances of the vertices of one mesh from the other
- *   surface, plus the same in the other direction. */
+ * - `chamfer`: written: the mean square of the distances of the vertices of one mesh from the
+ *   other surface, plus the same in the other direction. */
 cata_status cata_mesh_compare(size_t n_vertices, const double *vertices, size_t n_faces,
     const uint32_t *faces, size_t other_n_vertices, const double *other_vertices,
     size_t other_n_faces, const uint32_t *other_faces, double *out, double *back, double *hausdorff,
@@ -2339,7 +2351,8 @@ cata_status cata_map_points(const cata_basis *source, const cata_basis *target, 
  * eigenfunctions implies, since T(f g) = T(f) T(g) (thesis, section 1.3.3). The matrix of all
  * products is not in memory. C must be nearly exact; from points, cata_map_from_points of the
  * products is more accurate.
- * - `source_eigen`, `target_eigen`: of cata_basis_new, the constants among them; `c`: between them.
+ * - `source_eigen`, `target_eigen`: of cata_basis_new, the constants among them; `c`: between
+ *   them.
  * - `source`, `target`: of cata_basis_products of these, with the same order; `o`: written.
  * - `of_all`: 0: column by column, of the products that are kept (equation 1.18). 1: the least
  *   squares over all products (equation 1.16). */

@@ -130,6 +130,8 @@ absent! { "chapters":
     fn cata_mesh_file_name(file: *const c_void, kind: i32, index: usize, size: usize, name: *mut c_char) -> cata_status;
     fn cata_mesh_file_get_names(file: *const c_void, kind: i32, of_faces: *mut u32) -> cata_status;
     fn cata_mesh_file_set_names(file: *mut c_void, kind: i32, count: usize, names: *const *const c_char, of_faces: *const u32) -> cata_status;
+    fn cata_mesh_file_scalars(file: *const c_void, count: *mut usize) -> cata_status;
+    fn cata_mesh_file_get_scalars(file: *const c_void, index: usize, size: usize, name: *mut c_char, values: *mut f64) -> cata_status;
     fn cata_repair_params_init(params: *mut c_void, struct_size: usize) -> cata_status;
     fn cata_repair_new(file: *const c_void, params: *const c_void, repair: *mut *mut c_void) -> cata_status;
     fn cata_repair_free(repair: *mut c_void);

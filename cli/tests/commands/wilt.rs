@@ -110,7 +110,7 @@ fn refusals_say_what_is_wrong_and_write_nothing() {
 fn the_units_of_a_file_are_given_and_what_it_lacks_is_noted() {
     let folder = Folder::new();
     let rows = "/E1\t15\t4\n^<L2\t5\n";
-    folder.write("plant.mtg", &format!("MTG:\nENTITY-CODE\tLength\tTopDia\n{rows}"));
+    folder.write("plant.mtg", format!("MTG:\nENTITY-CODE\tLength\tTopDia\n{rows}"));
     folder.write("same.swc", "1 1 0 0 .15 .002 -1\n2 7 0 0 .2 .002 1\n");
     let line = |plant: &str| format!("wilt {plant} --hours 4 --frames 1 --mesh none");
     let run = folder.run(&format!("{} --unit 0.01,0.001 -o out", line("plant.mtg")));
@@ -122,7 +122,7 @@ fn the_units_of_a_file_are_given_and_what_it_lacks_is_noted() {
     let (mtg, swc) = (last("out/water.csv"), last("same/water.csv"));
     assert!(mtg[2] > 2.0 * swc[2] && mtg[2] < 4.0 * swc[2], "{mtg:?} {swc:?}");
     let rows = "/P1\n^/E1\t15\n/P2\n^/E1\t15\n^<L2\t5\n";
-    folder.write("plants.mtg", &format!("MTG:\nENTITY-CODE\tLength\n{rows}"));
+    folder.write("plants.mtg", format!("MTG:\nENTITY-CODE\tLength\n{rows}"));
     assert!(folder.fail(&format!("{} -o none", line("plants.mtg"))).contains("plants (P1, P2)"));
     folder.succeed(&format!("{} --individual P2 --unit 0.01 -o second", line("plants.mtg")));
     let refused = folder.run("wilt --grow 5 --unit 0.01 -o none");
