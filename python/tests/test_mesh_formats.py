@@ -36,7 +36,8 @@ def test_lines_are_left_out_with_a_warning(tmp_path):
     meshio = pytest.importorskip("meshio")
     points = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0.0]])
     cells = [("quad", [[0, 1, 2, 3]]), ("triangle", [[1, 4, 2]]), ("line", [[0, 1]])]
-    for name, kind in [("a.msh", "gmsh"), ("b.msh", "gmsh22"), ("a.vtk", "vtk"), ("a.vtu", "vtu")]:
+    # Of Gmsh 4.1, meshio writes one kind of cells.
+    for name, kind in [("a.msh", "gmsh22"), ("a.vtk", "vtk"), ("a.vtu", "vtu")]:
         meshio.Mesh(points, cells).write(tmp_path / name, file_format=kind)
         with pytest.warns(UserWarning, match="left out cells that are not faces"):
             v, f = catamaran.read_mesh(tmp_path / name)
