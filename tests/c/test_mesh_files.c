@@ -223,7 +223,7 @@ static void test_refusals(void)
     const char *const names[1] = {"one"};
     double numbers[16] = {NAN};
     int calls = 0;
-    cata_mesh_file_params params = {.struct_size = sizeof params, .format = 9};
+    cata_mesh_file_params params = {.struct_size = sizeof params, .format = 99};
     CHECK_STATUS(cata_mesh_file_new(4, corners, 1, wrong, &none), CATA_ERR_MESH);
     CHECK_MENTIONS("face 0");
     CHECK_STATUS(cata_mesh_file_read(NULL, NULL, &none), CATA_ERR_NULL);
