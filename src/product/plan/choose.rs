@@ -119,14 +119,12 @@ fn direct(native: &Native) -> Choice {
 fn fused<T: BlasReal>(native: &Native, problem: Problem, options: &AtaOptions<'_>) -> Choice {
     let Problem { op, m, n, k } = problem;
     let slabs = fused_slabs(m, n, k);
-    let packing = packing_budget::<T>(n, k, options.memory);
-    // One thread computes a slab, and updates a small C: a chunk stays in its second-level cache.
-    let budget = packing.min(if slabs > 1 { SLAB_BYTES / size_of::<T>() } else { usize::MAX });
+    let budget = packing_budget::<T>(n, k, options.memory);
     let cost = FusedCost {
         rates: native.rates(),
         geometry: T::kernel(native.isa()).geometry(),
         scalar_bytes: size_of::<T>(),
-        budget: packing,
+        budget,
         symmetric: op.symmetric(),
     };
     let program = |recursion: &Recursion, rows| fused::products(recursion, op, rows, n, k);
@@ -392,10 +390,6 @@ fn fused_slabs(m: usize, n: usize, k: usize) -> usize {
     let slabs = m / SHORTEST.max(5 * side);
     slabs.checked_ilog2().map_or(1, |log| 1 << log).min(most)
 }
-
-/// Bytes of a packed chunk of a slab, unless a block of rows takes more: three quarters of the
-/// second-level cache of small cores.
-const SLAB_BYTES: usize = 384 << 10;
 
 /// Returns the scalars that one of two packed chunks may take: with the sums of the threads less
 /// than half of C, at most what the third-level cache of a core holds, and at least a chunk that
