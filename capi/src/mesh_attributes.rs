@@ -288,7 +288,7 @@ pub unsafe extern "C" fn cata_mesh_file_set_names(
     })
 }
 
-/// Gets the number of functions on the vertices that the file has (VTK, GIFTI, Gmsh): 0 for none.
+/// Gets the number of functions on the vertices in the file (VTK, GIFTI, Gmsh).
 ///
 /// # Safety
 /// The pointers are as described.

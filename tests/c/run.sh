@@ -29,7 +29,8 @@ configure() { # BUILD_DIR OPTIONS...
     local dir=$1
     shift
     quietly "configure-$dir" cmake -S . -B "$build/$dir" -DCMAKE_BUILD_TYPE=Debug \
-        -DCATAMARAN_CARGO_TARGET_DIR="$CARGO_TARGET_DIR" -DCATAMARAN_CARGO_PROFILE=dev "$@"
+        -DCATAMARAN_CARGO_TARGET_DIR="$CARGO_TARGET_DIR" -DCATAMARAN_CARGO_PROFILE=dev \
+        -DCATAMARAN_CARGO_FEATURES=as-in-scripts-test "$@"
     quietly "build-$dir" cmake --build "$build/$dir" --parallel 2
 }
 
