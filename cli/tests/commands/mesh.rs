@@ -188,13 +188,13 @@ fn nothing_is_overwritten_without_force() {
 fn what_can_not_be_done_is_said_in_a_line() {
     let folder = Folder::new();
     folder.write("square.obj", SQUARE);
-    folder.write("broken.obj", "v 0 0\n");
+    folder.write("broken.obj", "v 0\n");
     let strip = families::moebius(9, 1).unwrap();
     let output = Output::create(&folder.path("strip.ply"), Overwrite::Never);
     io::write(output.unwrap(), &strip.into()).unwrap();
     for (arguments, what) in [
         ("mesh none.obj", "none.obj: no such file"),
-        ("mesh broken.obj", "broken.obj:1: 2 numbers where 3 are needed"),
+        ("mesh broken.obj", "broken.obj:1: 1 numbers where 2 are needed"),
         ("mesh broken.obj -o new.obj", "broken.obj:1: "),
         ("mesh square.obj -o new.doc", "new.doc: unknown kind of mesh"),
         ("mesh square.obj -o new.vtp", "VTK XML files can only be read"),

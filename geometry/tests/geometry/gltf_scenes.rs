@@ -68,6 +68,7 @@ fn extensions_that_a_file_requires_are_known_or_an_error() {
     }
     for name in [
         "KHR_mesh_quantization",
+        "KHR_technique_webgl",
         "KHR_texture_basisu",
         "KHR_texture_transform",
         "KHR_materials_variants",

@@ -226,6 +226,16 @@ fn vertices_that_no_face_has_may_lack_a_position() {
 }
 
 #[test]
+fn planar_obj_and_numbers_of_windows_are_read() {
+    let file = read_bytes(b"v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n", OBJ).unwrap();
+    assert_eq!(file.mesh.vertices()[2], [0.0, 1.0, 0.0]);
+    assert!(file.notes[0].starts_with("took 0 for z"), "{:?}", file.notes);
+    // In no face; the # is part of a number.
+    let file = read_bytes(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1.#IND 0 0\nf 1 2 3 # one\n", OBJ);
+    assert_eq!(file.unwrap().mesh.vertices().len(), 3);
+}
+
+#[test]
 fn colours_of_zbrush_are_read() {
     let v = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
     let text = format!("#MRGB ffff0000ff00ff00\n{v}#MRGB ff0000ff\nf 1 2 3\n");
@@ -427,8 +437,16 @@ fn files_without_a_mesh_say_what_they_are() {
 
 #[test]
 fn version_1_of_gltf_and_compressed_numbers_are_refused_by_name() {
-    let first = r#"{"asset": {"version": "1.0"}, "meshes": {"a": {"primitives": []}}}"#;
-    assert!(refusal(first.as_bytes(), GLTF).1.contains("version \"1.0\" of glTF is not supported"));
+    for version in ["\"1.0\"", "1"] {
+        let first = format!(
+            r#"{{"meshes": {{"a": {{"primitives": []}}}}, "asset": {{"version": {version}}}}}"#
+        );
+        let said = refusal(first.as_bytes(), GLTF).1;
+        assert!(
+            said.starts_with("version \"1") && said.contains("of glTF is not supported"),
+            "{said}"
+        );
+    }
     let broken = r#"{"asset": {"version": "2.0"}, "meshes": {"a": {"primitives": []}}}"#;
     assert!(refusal(broken.as_bytes(), GLTF).1.contains("not the JSON of a glTF file"));
     for name in ["EXT_meshopt_compression", "KHR_draco_mesh_compression"] {

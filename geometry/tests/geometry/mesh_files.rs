@@ -454,7 +454,9 @@ fn broken_text_is_named_by_its_line() {
     let ply = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n";
     let face = "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n";
     let cases: Vec<(String, MeshFormat, Option<usize>, &str)> = vec![
-        ("v 0 0\n".into(), OBJ, Some(1), "2 numbers where 3 are needed"),
+        ("v 0\n".into(), OBJ, Some(1), "1 numbers where 2 are needed"),
+        ("v 0 0 0\nv 0 0\n".into(), OBJ, Some(2), "2 numbers where 3 are needed"),
+        ("v 0 0\nv 0 0 0\n".into(), OBJ, Some(2), "3 numbers where the first vertex has 2"),
         ("v 0 0 x\n".into(), OBJ, Some(1), "\"x\" is not a number"),
         (format!("\nv 0 0 nan\n{v}f 1 2 3\n"), OBJ, None, "line 2: the position of a vertex"),
         (format!("v 0 0 1e999\n{v}f 2 1 3\n"), OBJ, None, "line 1: the position of a vertex"),

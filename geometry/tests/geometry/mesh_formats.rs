@@ -404,6 +404,16 @@ fn gifti_is_read_in_each_encoding() {
             assert_eq!(file.scalars[0].name, "of & SHAPE");
             assert_eq!(file.scalars[0].values, thickness.map(f64::from), "{what}");
             beginnings_are_refused(&bytes, bytes.len(), MeshFormat::Gifti, &what);
+            let own = String::from_utf8(bytes).unwrap();
+            let names = [
+                ("\"ASCII\"", "\"GIFTI_ENCODING_ASCII\""),
+                ("\"Base64Binary\"", "\"GIFTI_ENCODING_B64BIN\""),
+                ("\"GZipBase64Binary\"", "\"GIFTI_ENCODING_B64GZ\""),
+                ("BigEndian", "GIFTI_ENDIAN_BIG"),
+                ("ColumnMajorOrder", "GIFTI_IND_ORD_COL_MAJOR"),
+            ];
+            let of_c = names.iter().fold(own, |text, (ours, of_c)| text.replace(ours, of_c));
+            is_cube(of_c.as_bytes(), MeshFormat::Gifti, &what);
             // Values without a surface.
             let values = gifti(body[2].clone());
             let found = refused(values.as_bytes(), MeshFormat::Gifti);

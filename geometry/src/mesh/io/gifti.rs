@@ -163,8 +163,11 @@ impl<'a> Raw<'a> {
             name: String::new(),
             kind,
             shape: (0..dimensions).map(size).collect::<Checked<_>>()?,
-            by_columns: tag.get("ArrayIndexingOrder").as_deref() == Some("ColumnMajorOrder"),
-            is_big: tag.get("Endian").as_deref() == Some("BigEndian"),
+            by_columns: matches!(
+                tag.get("ArrayIndexingOrder").as_deref(),
+                Some("ColumnMajorOrder" | "GIFTI_IND_ORD_COL_MAJOR")
+            ),
+            is_big: matches!(tag.get("Endian").as_deref(), Some("BigEndian" | "GIFTI_ENDIAN_BIG")),
             encoding: tag.need("Encoding")?.into_owned(),
             data: b"",
             is_moved: false,
@@ -176,15 +179,18 @@ impl<'a> Raw<'a> {
         let size = self.shape.iter().fold(1, |size: usize, &n| size.saturating_mul(n));
         budget.take_numbers(size)?;
         let values = match self.encoding.as_str() {
-            "ASCII" => text_numbers(self.data)?,
-            "Base64Binary" => self.kind.numbers(&from_base64(self.data)?, self.is_big)?,
-            "GZipBase64Binary" => {
+            // The other names are those of nibabel and of the library in C.
+            "ASCII" | "GIFTI_ENCODING_ASCII" => text_numbers(self.data)?,
+            "Base64Binary" | "GIFTI_ENCODING_B64BIN" => {
+                self.kind.numbers(&from_base64(self.data)?, self.is_big)?
+            }
+            "GZipBase64Binary" | "GIFTI_ENCODING_B64GZ" => {
                 let mut bytes = Vec::new();
                 let length = size.saturating_mul(self.kind.size());
                 budget.inflate(&from_base64(self.data)?, length, &mut bytes)?;
                 self.kind.numbers(&bytes, self.is_big)?
             }
-            "ExternalFileBinary" => {
+            "ExternalFileBinary" | "GIFTI_ENCODING_EXTBIN" => {
                 return Err("its numbers are in another file, which is not supported".into());
             }
             other => return Err(format!("unknown Encoding {other:?}").into()),

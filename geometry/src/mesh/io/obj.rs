@@ -93,6 +93,8 @@ struct Reader {
     groups: Names,
     objects: Names,
     material_files: Vec<String>,
+    /// Whether the first vertex has two coordinates.
+    is_planar: Option<bool>,
     /// Whether any statement was one of OBJ, and the line of the first that was not.
     is_obj: bool,
     unknown: Option<(String, usize)>,
@@ -100,7 +102,9 @@ struct Reader {
 
 impl Reader {
     fn statement(&mut self, line: &[u8], number: usize) -> Checked<()> {
-        let bare = line.split(|&byte| byte == b'#').next().unwrap_or_default();
+        // In "1.#IND" it is part of a number.
+        let is_comment = |i: &usize| line[*i] == b'#' && line[..*i].last() != Some(&b'.');
+        let bare = &line[..(0..line.len()).find(is_comment).unwrap_or(line.len())];
         let mut words = words(bare);
         let Some(keyword) = words.next() else { return self.polypaint(line, number) };
         let faces = self.draft.faces.len();
@@ -145,7 +149,20 @@ impl Reader {
         mut words: impl Iterator<Item = &'a [u8]>,
         line: usize,
     ) -> Checked<()> {
-        let position = numbers::<3>(&mut words)?;
+        let [x, y] = numbers(&mut words)?;
+        let third = words.next();
+        let z = match (*self.is_planar.get_or_insert(third.is_none()), third) {
+            (false, Some(word)) => number(word)?,
+            (false, None) => return Err("2 numbers where 3 are needed".into()),
+            (true, Some(_)) => return Err("3 numbers where the first vertex has 2".into()),
+            (true, None) => {
+                self.draft
+                    .notes
+                    .add("took 0 for z, which is missing: vertices", || format!("line {line}"));
+                0.0
+            }
+        };
+        let position = [x, y, z];
         let mut color = [0.0, 0.0, 0.0, 1.0];
         let mut written = [&[][..]; 4];
         let mut given = 0;

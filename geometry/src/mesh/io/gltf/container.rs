@@ -5,12 +5,12 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Component, Path};
 
-use serde::Deserialize;
+use serde_json::Value;
 
 use super::super::draft::{Checked, Fault};
 use super::super::stored::from_base64;
 use super::super::text::without_mark;
-use super::document::{Asset, Buffer, Document};
+use super::document::{Buffer, Document};
 use super::extensions::{self, check_required, unsupported};
 use catamaran::io::Source;
 
@@ -38,15 +38,19 @@ impl Content {
         let json = without_mark(json);
         let document: Document = serde_json::from_slice(json).map_err(|e| {
             // Documents of version 1 have the same names with other contents.
-            let found: Option<Versioned> = serde_json::from_slice(json).ok();
-            let found = found.filter(|found| !found.asset.version.is_empty());
-            if let Some(other) = found.and_then(|found| other_version(&found.asset)) {
+            let found: Option<Value> = serde_json::from_slice(json).ok();
+            let version = found.and_then(|found| match &found["asset"]["version"] {
+                Value::String(version) => Some(version.clone()),
+                Value::Number(version) => Some(version.to_string()),
+                _ => None,
+            });
+            if let Some(other) = version.and_then(|version| other_version(&version)) {
                 return other;
             }
             let line = is_text.then_some(e.line());
             source.fail_at(line, format!("not the JSON of a glTF file: {e}")).into()
         })?;
-        if let Some(other) = other_version(&document.asset) {
+        if let Some(other) = other_version(&document.asset.version) {
             return Err(other);
         }
         let least = document.asset.min_version.as_deref().unwrap_or("2.0");
@@ -66,15 +70,8 @@ impl Content {
     }
 }
 
-/// The part of a document that tells its version.
-#[derive(Deserialize)]
-struct Versioned {
-    asset: Asset,
-}
-
 /// Returns the error about a version that is not supported.
-fn other_version(asset: &Asset) -> Option<Fault> {
-    let version = &asset.version;
+fn other_version(version: &str) -> Option<Fault> {
     let what = format!("version {version:?} of glTF is not supported, must be 2.0: export it anew");
     (!version.starts_with("2.")).then_some(what.into())
 }

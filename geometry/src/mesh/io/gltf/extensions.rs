@@ -19,7 +19,7 @@ const APPLIED: [&str; 3] =
 const NO_TRIANGLES: [&str; 39] = [
     "KHR_materials_", "KHR_texture_", "KHR_lights_", "KHR_animation_", "KHR_audio_", "KHR_xmp",
     "KHR_physics_", "KHR_implicit_shapes", "KHR_interactivity", "KHR_environment_map",
-    "KHR_techniques_webgl", "KHR_blend", "KHR_node_hoverability", "KHR_node_selectability",
+    "KHR_technique", "KHR_blend", "KHR_node_hoverability", "KHR_node_selectability",
     "EXT_materials_", "EXT_texture_", "EXT_lights_", "EXT_mesh_features", "EXT_mesh_manifold",
     "EXT_instance_features", "EXT_feature_metadata", "EXT_structural_metadata",
     "EXT_property_", "EXT_skybox", "MSFT_texture_", "MSFT_packing_", "MSFT_audio_", "MSFT_lod",
