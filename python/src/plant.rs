@@ -107,6 +107,7 @@ impl PlantHandle {
 
 /// See `catamaran.read_plant`.
 #[pyfunction]
+#[pyo3(signature = (path, individual, unit))]
 pub fn read_plant(
     py: Python<'_>,
     path: PathBuf,
