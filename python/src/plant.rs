@@ -3,13 +3,14 @@
 use std::path::PathBuf;
 
 use catamaran::Par;
-use catamaran::base::Progress;
+use catamaran::base::{Error, Progress};
 use catamaran::faer::Mat;
+use catamaran::io::SourceOptions;
 use catamaran_simulation::plant::families::{GrowthOptions, grow as grow_plant};
 use catamaran_simulation::plant::{
     Conductivity, Elasticity, Interval, Plant as Graph, Pose, RodOptions, Rods, Segment,
-    WaterModel, WaterOptions, WiltOptions, Wilting, grams_per_hour, read, tubes as tubes_of,
-    wilt as wilt_plant,
+    WaterModel, WaterOptions, WiltOptions, Wilting, grams_per_hour, read, read_individual,
+    tubes as tubes_of, wilt as wilt_plant,
 };
 use pyo3::prelude::*;
 
@@ -78,6 +79,11 @@ impl PlantHandle {
         segments.map(|segment| (segment.petiole, segment.leaf_area, segment.pinned)).collect()
     }
 
+    /// What the reader had to assume.
+    fn notes(&self) -> Vec<String> {
+        self.graph.notes().to_vec()
+    }
+
     fn __len__(&self) -> usize {
         self.graph.len()
     }
@@ -101,8 +107,24 @@ impl PlantHandle {
 
 /// See `catamaran.read_plant`.
 #[pyfunction]
-pub fn read_plant(py: Python<'_>, path: PathBuf) -> PyResult<PlantHandle> {
-    run(py, Length::Long, None, move |_| read(&path)).map(|graph| PlantHandle { graph })
+#[pyo3(signature = (path, individual, unit))]
+pub fn read_plant(
+    py: Python<'_>,
+    path: PathBuf,
+    individual: Option<String>,
+    unit: (f64, f64),
+) -> PyResult<PlantHandle> {
+    let graph = run(py, Length::Long, None, move |_| {
+        let plant = match individual {
+            Some(name) => read_individual(&path, &name, &SourceOptions::new()),
+            None => read(&path),
+        };
+        plant?.scaled(unit.0, unit.1).map_err(|error| match error {
+            Error::Argument { why, .. } => Error::Argument { what: "unit", why },
+            other => other,
+        })
+    })?;
+    Ok(PlantHandle { graph })
 }
 
 /// See `catamaran.grow_plant`.

@@ -87,6 +87,20 @@ def test_plants_lose_water_and_bend():
         catamaran.wilt(plant, -1.0)
 
 
+def test_plants_are_read_by_name_and_unit_and_their_notes_are_warnings(tmp_path):
+    path = tmp_path / "plants.mtg"
+    rows = "/P1\n^/E1\t10\t1\n/P2\n^/E1\t15\t4\n^<L2\t5\n"
+    path.write_text(f"MTG:\nENTITY-CODE\tLength\tTopDia\n{rows}")
+    with pytest.raises(OSError, match="2 plants"):
+        catamaran.read_plant(path)
+    with pytest.warns(UserWarning, match="plants.mtg: 1 of 2 segments have no diameter") as said:
+        plant = catamaran.read_plant(path, individual="P2", unit=(0.01, 0.001))
+    assert all(warning.filename == __file__ for warning in said)
+    assert np.allclose(plant.tails[:, 2], [0.15, 0.2]) and np.allclose(plant.radii, 0.002)
+    with pytest.raises(ValueError, match="^unit: must be positive"):
+        catamaran.read_plant(path, individual="P2", unit=(0.0, 1.0))
+
+
 def test_slime_does_not_depend_on_threads():
     v, f = shapes.icosphere(2)
     one = catamaran.slime(v, f, 6, agents=2000, size=160, species=2, threads=1)

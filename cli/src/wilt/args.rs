@@ -334,15 +334,16 @@ impl Args {
                     Some(name) => read_individual(path, name, &input::source())?,
                     None => read_with(path, &input::source())?,
                 };
-                for line in plant.notes() {
-                    note(format_args!("{}: {line}", path.display()));
-                }
-                match self.unit {
+                let plant = match self.unit {
                     Some((length, radius)) => {
                         plant.scaled(length, radius).with_context(|| self.name())?
                     }
                     None => plant,
+                };
+                for line in plant.notes() {
+                    note(format_args!("{}: {line}", path.display()));
                 }
+                plant
             }
             None => {
                 let options = GrowthOptions::new().nodes(self.grow.unwrap_or_default());

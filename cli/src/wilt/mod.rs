@@ -21,7 +21,7 @@ use crate::folder::{Folder, note_older};
 use crate::output;
 use crate::picture::write_chart;
 use crate::progress::Bar;
-use crate::report::{report, status};
+use crate::report::{note, report, status};
 pub use args::Args;
 pub use curves::chart;
 use simulation::Effort;
@@ -48,6 +48,9 @@ pub fn run(args: &Args) -> Result<()> {
         leaves = leaves;
         "{nodes} nodes, {leaves} of them on leaves"
     )?;
+    if leaves == 0 {
+        note(format_args!("{}: no leaves, which alone lose water: nothing wilts", args.name()));
+    }
     let file = |name: &str| args.force.create(&args.output.join(name));
     if let Some(table) = &args.fit {
         let measured = fit::read(table)?;

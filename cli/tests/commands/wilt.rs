@@ -125,8 +125,29 @@ fn the_units_of_a_file_are_given_and_what_it_lacks_is_noted() {
     folder.write("plants.mtg", format!("MTG:\nENTITY-CODE\tLength\n{rows}"));
     assert!(folder.fail(&format!("{} -o none", line("plants.mtg"))).contains("plants (P1, P2)"));
     folder.succeed(&format!("{} --individual P2 --unit 0.01 -o second", line("plants.mtg")));
+    folder.write("large.mtg", "MTG:\nENTITY-CODE\tLength\n/E1\t900\n^<L2\t300\n");
+    let spans = |unit: &str| {
+        let run = folder.run(&format!("{} {unit}", line("large.mtg")));
+        assert_eq!(run.code, Some(0), "{}", run.stderr);
+        run.stderr.contains("spans 1200 metres")
+    };
+    assert!(spans("-o large") && !spans("--unit 0.001 -o small"));
     let refused = folder.run("wilt --grow 5 --unit 0.01 -o none");
     assert!(refused.stderr.contains("--unit"), "{}", refused.stderr);
+}
+
+#[test]
+fn a_plant_without_leaves_loses_no_water_and_says_so() {
+    let folder = Folder::new();
+    let stem: String = (1..20).map(|v| format!("{v} 3 0 0 {v}e-2 .002 {}\n", v - 1)).collect();
+    folder.write("stem.swc", stem.replacen(" 0\n", " -1\n", 1));
+    let run = folder.run("wilt stem.swc --hours 48 --frames 2 --mesh none -o out");
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    assert!(run.stderr.contains("stem.swc: no leaves"), "{}", run.stderr);
+    let all = run.stdout + &run.stderr;
+    assert!(all.contains("lost 0.0000 g") && !all.contains("-0.0000"), "{all}");
+    let run = folder.run("wilt --grow 20 --hours 1 --frames 1 --mesh none -o leafy");
+    assert!(!run.stderr.contains("no leaves"), "{}", run.stderr);
 }
 
 /// Values are refused before any work, by the name of the option and in its unit.

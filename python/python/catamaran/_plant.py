@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _catamaran
+from ._mesh import warn
 from ._options import Progress, callback
 from ._show import axes
 from ._surface import Mesh
@@ -53,9 +54,28 @@ def _restored(*arrays: Any) -> Plant:
     return Plant(_catamaran.PlantHandle(*arrays))
 
 
-def read_plant(path: Union[str, os.PathLike[str]]) -> Plant:
-    """Read a plant: .txt of the reference implementation, .swc, .mtg, polylines in .obj."""
-    return Plant(_catamaran.read_plant(path))
+def read_plant(
+    path: Union[str, os.PathLike[str]],
+    *,
+    individual: Optional[str] = None,
+    unit: Tuple[float, float] = (1.0, 1.0),
+) -> Plant:
+    """Read a plant: .txt of the reference implementation, .swc, .mtg, polylines in .obj.
+
+    A warning says what the file lacks, such as diameters, and what is assumed instead.
+
+    Parameters
+    ----------
+    path : path
+        Its ending names the format.
+    individual : str, optional
+        Which plant of an .mtg file of several, such as "P3".
+    unit : (float, float)
+        Metres in a unit of the file's lengths, and of its radii and diameters.
+    """
+    handle = _catamaran.read_plant(path, individual, unit)
+    warn(path, handle.notes())
+    return Plant(handle)
 
 
 def grow_plant(nodes: int = 500, seed: int = 0) -> Plant:

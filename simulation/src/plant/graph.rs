@@ -5,6 +5,12 @@ use catamaran_geometry::mesh::vector::{distance, scale};
 /// Marks the root, which has no parent.
 pub(crate) const NONE: u32 = u32::MAX;
 
+/// A plant that spans more, in metres, is not in metres: the tallest tree has 116.
+const TALLEST: f64 = 120.0;
+
+/// The end of the note on such a plant.
+const NO_UNITS: &str = "metres, more than any tree: files of this format do not state their units";
+
 /// A straight segment of stem, branch or vein. It is identified by the node of the plant at its
 /// end.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -272,6 +278,20 @@ impl Plant {
         Self { notes, ..self }
     }
 
+    /// Notes the extent of the plant, base included, if it is that of no plant in metres.
+    pub(crate) fn noting_span(mut self) -> Self {
+        let span = |i: usize| {
+            let tails = self.segments.iter().map(|s| s.tail[i]);
+            let [low, high] = tails.fold([self.base[i]; 2], |[a, b], x| [a.min(x), b.max(x)]);
+            high - low
+        };
+        let span = (0..3).map(span).fold(0.0, f64::max);
+        if span > TALLEST {
+            self.notes.push(format!("the plant spans {span:.0} {NO_UNITS}"));
+        }
+        self
+    }
+
     /// Returns the plant with its coordinates and lengths times `length` and its radii times
     /// `radius`, both positive: the units of a file in metres. Leaf areas grow with the square of
     /// `length`.
@@ -296,7 +316,7 @@ impl Plant {
                 return Err(Error::Argument { what, why });
             }
         }
-        let Self { mut segments, parents, root, base, notes, .. } = self;
+        let Self { mut segments, parents, root, base, mut notes, .. } = self;
         for segment in &mut segments {
             segment.tail = scale(segment.tail, length);
             segment.radius *= radius;
@@ -304,7 +324,11 @@ impl Plant {
         }
         check_segments(&segments)?;
         let plant = Self::measured(segments, parents, root, Some(scale(base, length)))?;
-        Ok(plant.with_notes(notes))
+        let count = notes.len();
+        notes.retain(|note| !note.ends_with(NO_UNITS));
+        let noted = notes.len() < count;
+        let plant = plant.with_notes(notes);
+        Ok(if noted { plant.noting_span() } else { plant })
     }
 
     /// Returns the nodes in depth-first order: every parent before its children, children in

@@ -267,9 +267,15 @@ impl Graph {
 
     /// Returns the component that bears one of `scale`, which relates to `last`.
     fn bearer(&self, last: usize, scale: usize, same: bool) -> usize {
-        // In a column, S4 follows S3 although the branch B2 of S3 stands between them.
+        // In a column, S4 follows S3 although the branch B2 of S3 stands between them, and so does
+        // B3 where the parts of B2 are in columns to the right, as in OpenAlea.
+        let passed = |v: &usize| {
+            let c = &self.components[*v];
+            let finer = c.bearer.is_some_and(|b| self.components[b].scale > c.scale);
+            c.scale < scale || (c.tip.is_some() && finer)
+        };
         let mut above = Some(last).filter(|_| same);
-        while let Some(v) = above.filter(|&v| self.components[v].scale < scale) {
+        while let Some(v) = above.filter(passed) {
             above = self.components[v].bearer;
         }
         let mut v = above.unwrap_or(last);

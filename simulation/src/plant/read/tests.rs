@@ -104,6 +104,15 @@ fn branches_of_an_mtg_grow_on_the_column_to_the_left() {
 }
 
 #[test]
+fn branches_of_one_column_of_an_mtg_grow_on_the_same_component() {
+    // The parts of U2 are in the column to the right; U3 and E2 relate to E1, not to them.
+    let rows = "/P1/A1/U1/E1\t\t\t0\t0\t1\t.2\n^+U2\n\t/E1\t\t1\t0\t1\t.2\n\t^<E2\t\t2\t0\t1\t.2\n\
+                ^+U3\n\t/E1\t\t-1\t0\t1\t.2\n^<E2\t\t\t0\t0\t2\t.2\n";
+    let expected = [None, Some(0), Some(1), Some(0), Some(0)];
+    assert_eq!(parents(&plant_of(POINTS, rows)), expected);
+}
+
+#[test]
 fn parts_of_an_mtg_share_the_length_and_the_taper_of_their_unit() {
     let rows = "/P1/A1/U1\t\t\t.04\t.02\t.8\n^/E1<<E4\n\t+U1\t\t.02\t.02\t.4\n\t^/E1<E2\n";
     let plant = plant_of("diabase\tdiasom\tlongueur", rows);
@@ -152,7 +161,11 @@ fn an_mtg_without_diameters_has_slender_segments_and_a_note() {
     assert_eq!(plant.segments()[1].radius, 0.1);
     let notes = plant.notes().join("; ");
     assert!(notes.contains("1 of 2 segments have no diameter"), "{notes}");
-    assert!(notes.contains("spans 199 metres"), "{notes}");
+    // The base is as far below E1 as E2 is above it.
+    assert!(notes.contains("spans 398 metres"), "{notes}");
+    let notes = |unit: f64| plant.clone().scaled(unit, unit).unwrap().notes().join("; ");
+    assert!(!notes(0.1).contains("spans"), "{}", notes(0.1));
+    assert!(notes(2.0).contains("spans 796 metres"), "{}", notes(2.0));
 }
 
 #[test]

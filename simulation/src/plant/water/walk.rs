@@ -151,7 +151,8 @@ impl<'a> Walk<'a> {
         let supplied = self.held + self.model.intake * self.time;
         let (soil, transpired) = match &self.solver {
             Some(Solver::Sdirk(sdirk)) => (sdirk.content(), sdirk.transpired()),
-            _ => (0.0, self.initial + supplied - plant),
+            // A plant without leaves loses nothing, and no less by rounding.
+            _ => (0.0, (self.initial + supplied - plant).max(0.0)),
         };
         Balance { plant, soil, transpired, supplied, drained: self.drained }
     }

@@ -19,9 +19,6 @@ const DEFAULT_AZIMUTH: f64 = 137.507_764;
 /// The radius of a plant without diameters, as a fraction of the mean length of its segments.
 const SLENDERNESS: f64 = 0.05;
 
-/// A plant that spans more, in metres, is not in metres: the tallest tree has 116.
-const TALLEST: f64 = 120.0;
-
 /// The direction of a segment and one at right angles.
 type Frame = [[f64; 3]; 2];
 const UPRIGHT: Frame = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
@@ -144,20 +141,7 @@ pub(super) fn plant(graph: &Graph, chosen: Range<usize>, lines: &Lines<'_>) -> R
             "{missing} of {count} segments have no diameter: they take that of their bearers"
         )),
     }
-    let span = |i: usize| {
-        let ends = segments
-            .iter()
-            .map(|s| s.tail[i])
-            .fold([f64::MAX, f64::MIN], |[a, b], x| [a.min(x), b.max(x)]);
-        ends[1] - ends[0]
-    };
-    let height = (0..3).map(span).fold(0.0, f64::max);
-    if height > TALLEST {
-        notes.push(format!(
-            "the plant spans {height:.0} metres: files of this format do not state their units"
-        ));
-    }
-    Ok(Plant::new(segments, &parents, base)?.with_notes(notes))
+    Ok(Plant::new(segments, &parents, base)?.with_notes(notes).noting_span())
 }
 
 /// Returns why no component has a shape.
