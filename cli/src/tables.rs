@@ -222,19 +222,9 @@ fn format() -> impl TypedValueParser<Value = FileFormat> {
 #[derive(Debug, Clone)]
 pub struct MatrixFile(PathBuf);
 
-/// The file that `-` stands for.
-const STDIN: &str = "/dev/stdin";
-
 impl From<OsString> for MatrixFile {
     fn from(name: OsString) -> Self {
-        Self(if name == "-" { STDIN.into() } else { name.into() })
-    }
-}
-
-impl MatrixFile {
-    /// Returns whether the matrix is read from stdin.
-    pub fn is_stdin(&self) -> bool {
-        self.0.as_os_str() == STDIN
+        Self(if name == "-" { "/dev/stdin".into() } else { name.into() })
     }
 }
 

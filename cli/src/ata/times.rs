@@ -19,13 +19,9 @@ use crate::progress::{self, Bar};
 use crate::ranks::Ranks;
 use crate::report::{seconds, status};
 use crate::rows::Source;
-use crate::tables::MatrixFile;
 
-/// Refuses options of symmetric products, and stdin as both matrices.
+/// Refuses options of symmetric products.
 pub fn refuse(args: &Args, ranks: &Ranks) -> Result<()> {
-    if args.input.is_stdin() && args.times.as_ref().is_some_and(MatrixFile::is_stdin) {
-        bail!("--times -: A is stdin already; one of the two must be a file");
-    }
     let given = [
         ("--uplo", args.uplo != Uplo::Both),
         ("--weights", args.weights.is_some()),

@@ -76,8 +76,11 @@ fn products_with_another_matrix_are_sums_over_blocks_of_rows() {
         assert!(said.contains(says), "{line}: {said}");
     }
     // Stdin can't be both matrices.
-    let said = folder.fail("ata - --times - -o x.npy");
-    assert!(said.contains("--times -: A is stdin already"), "{said}");
+    for line in ["ata - --times - -o x.npy", "lstsq - - -o x.npz"] {
+        let run = folder.run(line);
+        assert_eq!(run.code, Some(2), "{line}");
+        assert!(run.stderr.contains("stdin (`-`) can't be both"), "{line}: {}", run.stderr);
+    }
     // A small C is printed, a larger one needs a file.
     let printed = folder.succeed("ata a.npy --columns 1..3 --times b.npy");
     let row = |line: &str| line.split_whitespace().map(|word| word.parse().ok()).collect();

@@ -67,6 +67,13 @@ fn a_mesh_without_faces_is_a_problem() {
         assert!(report.contains(&problem) && report.contains("\narea        0\n"), "{report}");
         let refused = folder.fail(&format!("mesh {name} --check"));
         assert_eq!(refused, format!("catamaran: {name}: problems found: {problems}\n"));
+        if vertices == 0 {
+            let refused = folder.fail(&format!("mesh {name} -o out.ply"));
+            assert!(
+                refused.contains("out.ply: not written: the mesh has no vertices"),
+                "{refused}"
+            );
+        }
     }
 }
 
