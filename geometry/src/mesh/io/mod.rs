@@ -302,7 +302,7 @@ fn detected(path: &Path) -> Result<(Source<'static>, Option<MeshFormat>)> {
 ///
 /// # let folder = tempfile::tempdir().unwrap();
 /// let path = &folder.path().join("lh.area.pial");
-/// std::fs::write(path, [255, 255, 255, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1]).unwrap();
+/// std::fs::write(path, [255u8, 255, 255, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1]).unwrap();
 /// assert!(holds_scalars(path) && holds_scalars("lh.thickness".as_ref()));
 /// assert!(!holds_scalars("a.csv".as_ref()));
 /// ```
