@@ -30,8 +30,12 @@ const LARGEST: f64 = 9_007_199_254_740_992.0;
 
 /// Generate a triangle mesh: a sphere, a surface with holes, a human figure, hills and others.
 ///
-/// AROUND, ALONG and TUBE are numbers of vertices. P and Q are the turns of a knot around its axis
-/// and through its hole. POSE bends the limbs, from 0 to 1.
+/// AROUND, TUBE and ALONG of a knot are numbers of vertices of a closed ring; ALONG of a cylinder
+/// is the number of rings of cells. COLUMNS and ROWS are numbers of cells, of two triangles each.
+/// CELLS is the number of cells along a side of the blocks of which a shape is made, RINGS and
+/// SECTORS are those of a fan around its centre. SUBDIVISIONS is how often each face of an
+/// icosahedron is cut into four. P and Q are the turns of a knot around its axis and through its
+/// hole. POSE bends the limbs, from 0 to 1.
 #[derive(clap::Args)]
 pub struct Args {
     /// Name of the shape.
@@ -40,7 +44,6 @@ pub struct Args {
     /// Numbers of the shape, in the order of their names.
     #[arg(
         value_name = "NUMBER",
-        required = true,
         allow_negative_numbers = true,
         value_parser = parse::finite
     )]

@@ -220,9 +220,7 @@ fn parse_command_line() -> (Cli, String) {
         }
         error.exit()
     });
-    if let Some(option) = stdio::dash(&command, &matches) {
-        let what =
-            format!("{option}: `-` is not accepted; the name of a file must select its format");
+    if let Some(what) = stdio::refusal(&command, &matches) {
         command.error(ErrorKind::ValueValidation, what).exit();
     }
     if let Some(what) = effects::missing(&matches) {

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Result, bail};
+use catamaran::Error;
 use catamaran::io::{Output, Overwrite, check_arrays_name};
 use catamaran_geometry::mesh::io::{self as meshes, Material, MeshFile, MeshFormat};
 
@@ -25,9 +26,12 @@ pub fn mesh(output: Output, file: &MeshFile) -> catamaran::Result<()> {
     mesh_as(output, file, format)
 }
 
-/// Writes a mesh as [`mesh`] does, in a format.
+/// Writes a mesh as [`mesh`] does, in a format. A mesh without vertices is an error.
 pub fn mesh_as(output: Output, file: &MeshFile, format: MeshFormat) -> catamaran::Result<()> {
     let path = output.path().to_owned();
+    if file.mesh.vertices().is_empty() {
+        return Err(Error::file(path, "not written: the mesh has no vertices"));
+    }
     notes(&path, &meshes::write_as(output, file, format)?);
     Ok(())
 }

@@ -8,7 +8,7 @@ use catamaran::base::check_request;
 use catamaran::faer::Mat;
 use catamaran::io::{self as files, Matrix};
 use catamaran::sparse::{CsMat, EigenOptions, eigs};
-use catamaran_geometry::mesh::io::{MeshFile, names_scalars, read_scalars};
+use catamaran_geometry::mesh::io::{MeshFile, holds_scalars, read_scalars};
 use catamaran_geometry::mesh::{
     Boundary, Laplacian, LaplacianKind, LaplacianOptions, TriMesh, laplacian,
 };
@@ -193,7 +193,7 @@ impl Prepared<'_> {
 /// Reads a matrix of finite numbers with a row for each of `rows` vertices: a table, or the values
 /// of vertices in a file of a mesh or of FreeSurfer.
 pub fn functions(path: &Path, rows: usize, table: &TableArgs) -> Result<Mat<f64>> {
-    let matrix = match names_scalars(path) {
+    let matrix = match holds_scalars(path) {
         true => {
             let columns = read_scalars(path)?;
             let count = columns.first().map_or(0, |column| column.values.len());

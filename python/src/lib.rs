@@ -70,7 +70,7 @@ mod _catamaran {
     #[pymodule_export]
     use crate::mesh::{laplacian, shape};
     #[pymodule_export]
-    use crate::mesh_file::{mesh_from_bytes, mesh_to_bytes, read_mesh, write_mesh};
+    use crate::mesh_file::{mesh_from_bytes, mesh_to_bytes, read_mesh, read_scalars, write_mesh};
     #[pymodule_export]
     use crate::operators::{cloud_laplacian, dirichlet_energies, gradient};
     #[pymodule_export]

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use catamaran::io::{Output, Overwrite};
 use catamaran_geometry::mesh::io::{
     Attribute, GltfEncoding, MeshFile, MeshFormat, PlyEncoding, Scalars, StlEncoding, VtkEncoding,
-    read, read_bytes, write_as, write_bytes,
+    read, read_bytes, read_scalars as read_values, write_as, write_bytes,
 };
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -45,6 +45,21 @@ pub fn mesh_from_bytes<'py>(
     content(py, run(py, Length::Long, None, move |_| read_bytes(data, format))?)
 }
 
+/// The values of vertices in a file; see `catamaran.read_scalars`.
+#[pyfunction]
+#[pyo3(signature = (path))]
+pub fn read_scalars(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
+    by_name(py, run(py, Length::Long, None, move |_| read_values(&path))?)
+}
+
+fn by_name(py: Python<'_>, scalars: Vec<Scalars>) -> PyResult<Bound<'_, PyDict>> {
+    let named = PyDict::new(py);
+    for Scalars { name, values } in scalars {
+        named.set_item(name, from_vec(py, values))?;
+    }
+    Ok(named)
+}
+
 fn format_of(name: &str) -> PyResult<MeshFormat> {
     let known = [
         ("obj", MeshFormat::Obj),
@@ -79,11 +94,7 @@ fn content(py: Python<'_>, mut file: MeshFile) -> PyResult<FileParts<'_>> {
         more.set_item("colors", from_rows(py, colors)?)?;
     }
     if !file.scalars.is_empty() {
-        let scalars = PyDict::new(py);
-        for Scalars { name, values } in std::mem::take(&mut file.scalars) {
-            scalars.set_item(name, from_vec(py, values))?;
-        }
-        more.set_item("scalars", scalars)?;
+        more.set_item("scalars", by_name(py, std::mem::take(&mut file.scalars))?)?;
     }
     for (name, labels) in
         [("materials", &file.materials), ("groups", &file.groups), ("objects", &file.objects)]

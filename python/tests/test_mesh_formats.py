@@ -58,6 +58,11 @@ def test_nibabel_reads_gifti_and_writes_it(tmp_path):
     nibabel.freesurfer.write_geometry(tmp_path / "lh.white", v, f)
     again, faces = catamaran.read_mesh(tmp_path / "lh.white")
     assert np.array_equal(again, v) and np.array_equal(faces, f)
+    nibabel.freesurfer.write_morph_data(tmp_path / "lh.thickness", v[:, 0], len(f))
+    values = catamaran.read_scalars(tmp_path / "lh.thickness")
+    assert list(values) == ["thickness"] and np.array_equal(values["thickness"], v[:, 0])
+    with pytest.raises(OSError, match="no values of vertices"):
+        catamaran.read_scalars(tmp_path / "a.gii")
 
 
 @pytest.mark.parametrize("text", [False, True])

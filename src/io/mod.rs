@@ -119,9 +119,9 @@ impl FileContent {
 /// - `.npz`, packed or not: the array `FILE.npz:NAME`, or `FILE.npz` with one array or a sparse
 ///   matrix as `scipy.sparse.save_npz` writes it.
 ///
-/// Other names leave the format to the content. The names may have `.gz`, `.xz`, `.zst` (feature
-/// `columnar`) or `.zip`, of an archive of one file, after them; whether a file is packed, its
-/// content says.
+/// Other names leave the format to the content, and so does the name of a text for a binary file.
+/// The names may have `.gz`, `.xz`, `.zst` (feature `columnar`) or `.zip`, of an archive of one
+/// file, after them; whether a file is packed, its content says.
 ///
 /// A file may take as much memory as `options.max_memory` says. A file whose header announces more
 /// is rejected before the memory is allocated.

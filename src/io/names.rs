@@ -81,7 +81,7 @@ impl FileFormat {
     }
 
     /// Opens a file, and returns its format: the one that is given, or else the one that its name
-    /// ends in, or else that of its content.
+    /// ends in, or else that of its content; also that of a binary file with the name of a text.
     pub(super) fn open<'a>(
         path: &Path,
         given: Option<Self>,
@@ -90,12 +90,16 @@ impl FileFormat {
         let named = Self::of_name(path);
         let (_, packing) = Packing::of(&lower_name(path));
         let mut source = Source::open(path, packing, options)?;
-        let format = match given.or(named.map(|(format, _)| format)) {
+        let named = named.map(|(format, _)| format);
+        let format = match given.or(named.filter(|format| *format != Self::Table)) {
             Some(format) => format,
             None => {
                 let head = source.peek(HEAD)?;
+                // The first letters of a header may be those of another format.
+                let is_text = named.is_some() && head.iter().all(|byte| *byte >= b'\t');
                 let is_mtx = head.get(..MTX.len()).is_some_and(|s| s.eq_ignore_ascii_case(MTX));
                 match &head[..] {
+                    _ if is_text => Self::Table,
                     [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => Self::Npy,
                     [b'P', b'A', b'R', b'1' | b'E', ..] => Self::Parquet,
                     [b'A', b'R', b'R', b'O', b'W', b'1', ..] | [b'F', b'E', b'A', b'1', ..] => {

@@ -16,8 +16,8 @@ use crate::progress::{self, Bar};
 use crate::ranks::Ranks;
 use crate::report::{report, row, seconds, status};
 
-/// Most columns of a matrix that is printed.
-const PRINTED: usize = 6;
+/// Most rows and columns of a matrix that is printed.
+pub const PRINTED: usize = 6;
 
 /// Refuses options of real matrices.
 pub fn refuse(args: &Args, ranks: &Ranks) -> Result<()> {
@@ -100,15 +100,15 @@ fn explain(plan: &ComplexPlan, options: &AtaOptions<'_>) -> Result<()> {
 }
 
 /// Prints C if it is small.
-fn show(c: MatRef<'_, c64>) -> Result<()> {
-    let n = c.ncols();
-    let printed = if n <= PRINTED { n } else { 0 };
+pub fn show(c: MatRef<'_, c64>) -> Result<()> {
+    let (rows, n) = (c.nrows(), c.ncols());
+    let printed = if rows.max(n) <= PRINTED { rows } else { 0 };
     for i in 0..printed {
         let pairs: Vec<[f64; 2]> = (0..n).map(|j| [c[(i, j)].re, c[(i, j)].im]).collect();
         let cells: Vec<String> = (0..n).map(|j| format!("{:>22}", text(c[(i, j)]))).collect();
         row!("row", number = i, entries = pairs; "{}", cells.join(" "))?;
     }
-    status!("hint", option = "-o"; "-o FILE writes all {n} x {n} entries")
+    status!("hint", option = "-o"; "-o FILE writes all {rows} x {n} entries")
 }
 
 /// Formats a complex number in six digits for each part.

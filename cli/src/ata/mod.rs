@@ -54,8 +54,8 @@ pub struct Args {
     matrix: MatrixArgs,
     /// The matrix B, m x k: compute A^T B, n x k, or A^H B of complex matrices. B is read as A is,
     /// but with all columns. The products of blocks of rows are rounded before they are added,
-    /// whatever the scheme.
-    #[arg(long, value_name = "B", requires = "output")]
+    /// whatever the scheme. Without -o, a C of at most 10 rows and columns (complex: 6) is printed.
+    #[arg(long, value_name = "B")]
     times: Option<MatrixFile>,
     /// Triangle of C to compute; the other triangle is zero in the output.
     #[arg(long, value_name = "TRIANGLE", default_value = "both", value_parser = parse::uplo())]

@@ -7,17 +7,17 @@ use catamaran::faer::MatRef;
 
 use crate::report::{report, row, status};
 
-/// Most columns of a matrix that is printed.
-const PRINTED: usize = 10;
+/// Most rows and columns of a matrix that is printed.
+pub const PRINTED: usize = 10;
 
 /// Prints C if it is small, or else what its entries are like.
 pub fn show<T: BlasReal>(c: MatRef<'_, T>, uplo: Uplo) -> Result<()> {
-    let n = c.ncols();
+    let (rows, n) = (c.nrows(), c.ncols());
     if n > PRINTED {
         summarize(c, uplo)?;
         return status!("hint", option = "-o"; "-o FILE writes all {n} x {n} entries");
     }
-    for i in 0..n {
+    for i in 0..rows {
         let entries: Vec<f64> = (0..n).map(|j| c[(i, j)].to_f64()).collect();
         let cells: Vec<String> = entries.iter().map(|&x| format!("{:>12}", digits(x))).collect();
         row!("row", number = i, entries = entries; "{}", cells.join(" "))?;

@@ -13,8 +13,8 @@ use catamaran::product::{ahb_into, atb_into};
 use catamaran::rows::RowBlocks;
 use catamaran::{AtaOptions, Uplo};
 
-use super::complex::require_finite;
-use super::{Args, write_matrix};
+use super::complex::{self, require_finite};
+use super::{Args, shown, write_matrix};
 use crate::progress::{self, Bar};
 use crate::ranks::Ranks;
 use crate::report::{seconds, status};
@@ -48,7 +48,6 @@ pub fn run(
     options: &AtaOptions<'_>,
     output: Option<Output>,
 ) -> Result<()> {
-    let output = output.context("--times needs -o")?;
     a.refuse_dropped(b.path())?;
     b.refuse_dropped(a.path())?;
     let (m, rows) = (a.shape().0, b.shape().0);
@@ -56,26 +55,32 @@ pub fn run(
     if rows != m {
         bail!("{of_b}: {rows} rows, where {of_a} has {m}");
     }
+    let is_complex = a.complex().is_some();
+    let printed = if is_complex { complex::PRINTED } else { shown::PRINTED };
+    let (n, k) = (a.shape().1, b.shape().1);
+    if output.is_none() && n.max(k) > printed {
+        bail!("C is {n} x {k}: --times needs -o above {printed} rows or columns");
+    }
     let are_single = a.is_single() && b.is_single();
     let is_double = args.double || !args.single && !are_single;
     match (a.complex(), b.complex()) {
         (Some(first), Some(second)) if args.require_finite => {
             require_finite(a.path(), first)?;
             require_finite(b.path(), second)?;
-            complex(first, second, options, output)
+            complex_product(first, second, options, output)
         }
-        (Some(first), Some(second)) => complex(first, second, options, output),
+        (Some(first), Some(second)) => complex_product(first, second, options, output),
         (None, None) if is_double => real::<f64>(args, (a, b), options, output),
         (None, None) => real::<f32>(args, (a, b), options, output),
         _ => bail!("{of_b}: must be real or complex as {of_a} is"),
     }
 }
 
-fn complex(
+fn complex_product(
     a: MatRef<'_, c64>,
     b: MatRef<'_, c64>,
     options: &AtaOptions<'_>,
-    output: Output,
+    output: Option<Output>,
 ) -> Result<()> {
     let (n, k) = (a.ncols(), b.ncols());
     let start = Instant::now();
@@ -86,8 +91,10 @@ fn complex(
     let c = MatMut::from_row_major_slice_mut(&mut entries, n, k);
     ahb_into(c64::new(1.0, 0.0), a, b, zero, c, options)?;
     done((n, k), "c64", "A^H B", start)?;
+    let c = MatRef::from_row_major_slice(&entries, n, k);
+    let Some(output) = output else { return complex::show(c) };
     let path = output.path().display().to_string();
-    files::write_complex(output, MatRef::from_row_major_slice(&entries, n, k))?;
+    files::write_complex(output, c)?;
     status!("written", path = path; "{path}")
 }
 
@@ -96,7 +103,7 @@ fn real<T: BlasReal>(
     args: &Args,
     (a, b): (&Source, &Source),
     options: &AtaOptions<'_>,
-    output: Output,
+    output: Option<Output>,
 ) -> Result<()> {
     let ((m, n), k) = (a.shape(), b.shape().1);
     let what = || format!("C of {n} x {k} entries");
@@ -120,7 +127,11 @@ fn real<T: BlasReal>(
     }
     drop(bar);
     done((n, k), T::NAME, "A^T B", start)?;
-    write_matrix(output, MatRef::from_row_major_slice(&entries, n, k))
+    let c = MatRef::from_row_major_slice(&entries, n, k);
+    match output {
+        Some(output) => write_matrix(output, c),
+        None => shown::show(c, Uplo::Both),
+    }
 }
 
 /// Reads `count` rows from `first` on.

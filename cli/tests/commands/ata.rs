@@ -75,7 +75,20 @@ fn products_with_another_matrix_are_sums_over_blocks_of_rows() {
         let said = folder.fail(&format!("ata a.npy -o x.npy {line}"));
         assert!(said.contains(says), "{line}: {said}");
     }
-    assert_eq!(folder.run("ata a.npy --times b.npy").code, Some(2));
+    // Stdin can't be both matrices.
+    for line in ["ata - --times - -o x.npy", "lstsq - - -o x.npz"] {
+        let run = folder.run(line);
+        assert_eq!(run.code, Some(2), "{line}");
+        assert!(run.stderr.contains("stdin (`-`) can't be both"), "{line}: {}", run.stderr);
+    }
+    // A small C is printed, a larger one needs a file.
+    let printed = folder.succeed("ata a.npy --columns 1..3 --times b.npy");
+    let row = |line: &str| line.split_whitespace().map(|word| word.parse().ok()).collect();
+    let found: Vec<f64> = printed.lines().filter_map(row).flat_map(|row: Vec<f64>| row).collect();
+    let near = |(x, y): (&f64, &f64)| (x - y).abs() <= 1e-5 * y.abs();
+    assert!(found.len() == 6 && found.iter().zip(&expected[3..9]).all(near), "{printed}");
+    let said = folder.fail("ata a.npy --times b.npy");
+    assert!(said.contains("C is 11 x 3: --times needs -o"), "{said}");
 }
 
 #[test]

@@ -67,6 +67,13 @@ fn a_mesh_without_faces_is_a_problem() {
         assert!(report.contains(&problem) && report.contains("\narea        0\n"), "{report}");
         let refused = folder.fail(&format!("mesh {name} --check"));
         assert_eq!(refused, format!("catamaran: {name}: problems found: {problems}\n"));
+        if vertices == 0 {
+            let refused = folder.fail(&format!("mesh {name} -o out.ply"));
+            assert!(
+                refused.contains("out.ply: not written: the mesh has no vertices"),
+                "{refused}"
+            );
+        }
     }
 }
 
@@ -704,6 +711,7 @@ fn generated_meshes_are_those_of_the_library_by_their_names() {
     }
     for (line, says) in [
         ("torus 12 6 -o x.ply", "torus: needs AROUND TUBE MAJOR MINOR, and 2 numbers are given"),
+        ("icosphere -o x.ply", "icosphere: needs SUBDIVISIONS, and 0 numbers are given"),
         ("grid 1.5 2 -o x.ply", "grid: COLUMNS must be a whole number of at least 0, is 1.5"),
         ("terrain 2 2 -1 -o x.ply", "SEED must be a whole number of at least 0, is -1"),
         ("figure 1 2 -o x.ply", "pose"),
@@ -715,4 +723,7 @@ fn generated_meshes_are_those_of_the_library_by_their_names() {
     }
     let help = folder.succeed("generate --help");
     assert!(help.contains("AROUND ALONG RADIUS HEIGHT"), "{help}");
+    let words: Vec<&str> = help.split_whitespace().collect();
+    let help = words.join(" ");
+    assert!(help.contains("ALONG of a cylinder is the number of rings of cells"), "{help}");
 }

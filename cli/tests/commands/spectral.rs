@@ -751,6 +751,20 @@ fn functions_are_those_of_a_mesh_file_or_of_freesurfer() {
     let by_mesh = smooth("a.gii", "mesh.npy");
     let by_thickness = smooth("lh.thickness", "thickness.npy");
     // Heights are a combination of the first three eigenfunctions.
+    // The content decides: these names are those of a surface, of a table and of nothing known.
+    for name in ["lh.area.pial", "thickness.csv", "lh.jacobian_white"] {
+        std::fs::copy(folder.path("lh.thickness"), folder.path(name)).unwrap();
+        assert_eq!(smooth(name, &format!("{name}.npy")), by_thickness, "{name}");
+    }
+    folder.write("lh.thickness.mgz", "any");
+    write(Output::create(&folder.path("a.3mf"), Overwrite::Never).unwrap(), &file).unwrap();
+    for (name, says) in [
+        ("lh.thickness.mgz", "lh.thickness.mgz: MGH is not read: nibabel reads it"),
+        ("a.3mf", "a.3mf: has no values of vertices"),
+    ] {
+        let said = folder.fail(&format!("filter a.gii --low-pass 4 --functions {name} -o b.npy"));
+        assert!(said.contains(says), "{name}: {said}");
+    }
     for (v, (a, b)) in by_mesh.iter().zip(&by_thickness).enumerate() {
         let z = file.scalars[0].values[v];
         assert!((a - z).abs() < 0.05 && (b - z).abs() < 0.05, "{v}: {a}, {b}, {z}");

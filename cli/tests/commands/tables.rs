@@ -292,6 +292,10 @@ fn parquet_and_arrow_files_are_tables() {
         // The sums of (i - 25)^2, of i - 25 and of 1, the last two over multiples of 3.
         let c = folder.read_npy::<f64>("c.npy", &[2; 2]);
         assert_eq!(c, [10425.0, -17.0, -17.0, 17.0]);
+        // The content decides, where the name is that of a text.
+        fs::copy(files.join(&kinds), folder.path("kinds.csv")).unwrap();
+        folder.succeed("ata kinds.csv --columns i8,bool -o text.npy --force");
+        assert_eq!(folder.read_npy::<f64>("text.npy", &[2; 2]), c);
         let said = folder.fail(&format!("ata {kinds} --columns f64,day"));
         assert!(said.contains("column day has dates, not numbers"), "{said}");
         let said = folder.fail(&format!("ata {missing} --columns x,y"));

@@ -491,6 +491,44 @@ fn surfaces_of_freesurfer_are_read_and_old_ones_of_quadrilaterals() {
 }
 
 #[test]
+fn files_of_volumes_alone_are_refused_by_name() {
+    let vtk = "# vtk DataFile Version 3.0\na tetrahedron\nASCII\nDATASET UNSTRUCTURED_GRID\n\
+               POINTS 4 double\n0 0 0 1 0 0 0 1 0 0 0 1\nCELLS 1 5\n4 0 1 2 3\n\
+               CELL_TYPES 1\n10\n";
+    let gmsh = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n\
+                4 0 0 1\n$EndNodes\n$Elements\n1\n1 4 2 0 1 1 2 3 4\n$EndElements\n";
+    for (text, format) in [(vtk, VTK), (gmsh, MeshFormat::Gmsh)] {
+        let found = refused(text.as_bytes(), format);
+        assert!(found.contains("the cells: no faces: they are volumes"), "{found}");
+    }
+}
+
+#[test]
+fn values_that_are_left_out_are_noticed_in_every_section() {
+    let head = "# vtk DataFile Version 3.0\na triangle\nASCII\nDATASET POLYDATA\n\
+                POINTS 3 double\n0 0 0 1 0 0 0 1 0\nPOLYGONS 1 4\n3 0 1 2\n";
+    let field = "FIELD FieldData 1\npart%20a 1 1 double\n7\n";
+    for (section, note) in [
+        ("CELL_DATA 1\n", "left out values of cells: 1, the first at part a"),
+        (
+            "POINT_DATA 3\n",
+            "left out arrays without a value for each vertex: 1, the first at part a",
+        ),
+    ] {
+        let file = read_bytes(format!("{head}{section}{field}").as_bytes(), VTK).unwrap();
+        assert_eq!(file.notes, [note]);
+    }
+    let gmsh = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n\
+                $EndNodes\n$Elements\n1\n1 2 2 0 1 1 2 3\n$EndElements\n$NodeData\n1\n\"T\"\n1\n\
+                0.0\n3\n0\n1\n3\n1 np.float64(0.5)\n$EndNodeData\n";
+    let folder = Folder::new();
+    let path = folder.path("a.msh");
+    fs::write(&path, gmsh).unwrap();
+    let found = read_scalars(&path).unwrap_err().to_string();
+    assert!(found.contains("no values of vertices: left out values of nodes"), "{found}");
+}
+
+#[test]
 fn values_and_labels_of_freesurfer_are_read() {
     let folder = Folder::new();
     let mut curv = b"\xff\xff\xff\0\0\0\x03\0\0\0\x01\0\0\0\x01".to_vec();

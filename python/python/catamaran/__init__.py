@@ -36,6 +36,7 @@ from ._mesh import (
     mesh_from_bytes,
     mesh_to_bytes,
     read_mesh,
+    read_scalars,
     write_mesh,
 )
 from ._ortho import Orthonormal, orthogonality, orthogonalize, qr
@@ -149,6 +150,7 @@ __all__ = [
     "read",
     "read_mesh",
     "read_plant",
+    "read_scalars",
     "region_boundary",
     "repair",
     "shape_dna",

@@ -39,6 +39,7 @@ __all__ = [
     "mesh_from_bytes",
     "mesh_to_bytes",
     "read_mesh",
+    "read_scalars",
     "write_mesh",
 ]
 
@@ -90,6 +91,40 @@ def read_mesh(path: Path, *, attributes: bool = False) -> Any:
     v, f, more = _catamaran.read_mesh(path)
     warn(path, more["notes"])
     return (v, f, more) if attributes else Mesh(v, f)
+
+
+def read_scalars(path: Path) -> Dict[str, NDArray[np.float64]]:
+    """Read values of vertices: of a mesh, of GIFTI without a surface, or of FreeSurfer.
+
+    Parameters
+    ----------
+    path : path
+        The file, such as `lh.thickness` or `lh.annot`, or a mesh with values.
+
+    Returns
+    -------
+    dict of str and ndarray
+        The values of the vertices by their names; NaN where there is none. Of `.annot`, the numbers
+        of labels, -1 for none.
+
+    Raises
+    ------
+    OSError
+        Names the file, the line, and what is wrong with it.
+
+    Examples
+    --------
+    >>> import os, struct, tempfile
+    >>> import catamaran
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = os.path.join(folder, "lh.thickness")
+    ...     with open(path, "wb") as file:
+    ...         _ = file.write(b"\\xff" * 3 + struct.pack(">3i2f", 2, 0, 1, 2.5, 3.0))
+    ...     values = catamaran.read_scalars(path)
+    >>> values["thickness"].tolist()
+    [2.5, 3.0]
+    """
+    return _catamaran.read_scalars(path)
 
 
 def write_mesh(

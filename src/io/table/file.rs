@@ -84,7 +84,10 @@ impl TextFile {
         let (_, named) = Packing::of(&lower_name(path));
         let packing = named.or_of_content(text.held());
         packing.check(text.held()).map_err(|e| error_at(path, None, e))?;
+        // A binary file, which has the name of a text.
+        let is_binary = options.format.is_none() && text.held().contains(&0);
         if packing != Packing::None
+            || is_binary
             || encoding::detect(text.held(), table.encoding.as_deref())?.is_some()
         {
             return Ok(None);

@@ -4,7 +4,7 @@
 use super::attributes::{Attribute, MeshFile, Scalars};
 use super::draft::{Checked, Draft};
 use super::stored::{Kind, vertex, whole};
-use catamaran::base::{Result, push};
+use catamaran::base::{Error, Result, push};
 
 /// The types of cells that are read, with the codes of VTK.
 pub(super) mod cell {
@@ -180,6 +180,10 @@ impl Dataset {
     }
 
     /// Returns the mesh with the values of its vertices.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] for cells of which none is a face, and when the vertices and faces make no
+    /// mesh.
     pub fn finish(mut self) -> Result<MeshFile> {
         let count = self.draft.vertices.len();
         let fits = |array: &Array| {
@@ -202,6 +206,11 @@ impl Dataset {
             }
         }
         let mut file = self.draft.finish(&mut [], &mut [])?;
+        if self.has_other_cells && file.mesh.faces().is_empty() {
+            let what = "no faces: they are volumes, lines or points; of volumes, extract the \
+                        surface first (PyVista: extract_surface, ParaView: Extract Surface)";
+            return Err(Error::Mesh { what: what.into(), element: "the cells".into() });
+        }
         for Array { name, role, width, values, .. } in self.arrays {
             match role {
                 Role::Normals if file.normals.is_none() => {

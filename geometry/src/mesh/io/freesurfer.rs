@@ -80,7 +80,7 @@ fn surface(cursor: &mut Cursor<'_>) -> Checked<Dataset> {
     }
     if magic == OLD_QUADS && is_values(cursor.rest()) {
         let what = "has values of vertices, but no surface: read the file of the surface, and this \
-                    one as its functions";
+                    one as its functions (read_scalars, or filter --functions)";
         return Err(what.into());
     }
     let vertices = whole(short(cursor.bytes(3, "the header")?))?;

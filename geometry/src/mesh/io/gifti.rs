@@ -23,7 +23,8 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
     let reader = Reader::read(source)?;
     if !reader.has_points {
         let what = "has values of vertices, but no surface (NIFTI_INTENT_POINTSET): read the file \
-                    of the surface, and this one as its functions";
+                    of the surface, and this one as its functions (read_scalars, or filter \
+                    --functions)";
         return Err(source.fail(what));
     }
     reader.dataset.finish()

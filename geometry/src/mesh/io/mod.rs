@@ -257,17 +257,26 @@ fn read_lines(source: &mut Source<'_>, format: MeshFormat, path: &Path) -> Resul
 /// # Errors
 /// As those of [`read()`], also when the file has no values of vertices.
 pub fn read_scalars(path: &Path) -> Result<Vec<Scalars>> {
-    let named = MeshFormat::named(path);
-    let mut source =
-        Source::open_packed(path, |head| detect::packing(head, named), &SourceOptions::new())?;
-    let head = source.peek(detect::LOOK)?;
-    let is_annotation = MeshFormat::ending(path) == "annot";
-    let scalars = match detect::format(&head, source.size()) {
+    let ending = MeshFormat::ending(path);
+    if matches!(&ending[..], "mgh" | "mgz") {
+        let what = "MGH is not read: nibabel reads it, and numpy.save writes its values as a table";
+        return Err(Error::file(path, what));
+    }
+    let (mut source, found) = detected(path)?;
+    let is_annotation = ending == "annot";
+    let scalars = match found {
         _ if is_annotation => freesurfer::scalars(&mut source)?,
         Some(MeshFormat::Gifti) => gifti::scalars(&mut source)?,
         Some(MeshFormat::FreeSurfer) => freesurfer::scalars(&mut source)?,
-        None if named.0.is_none() => freesurfer::scalars(&mut source)?,
-        _ => read(path)?.scalars,
+        None if MeshFormat::named(path).0.is_none() => freesurfer::scalars(&mut source)?,
+        _ => {
+            let MeshFile { scalars, notes, .. } = read(path)?;
+            if scalars.is_empty() && !notes.is_empty() {
+                let what = format!("has no values of vertices: {}", notes.join("; "));
+                return Err(Error::file(path, what));
+            }
+            scalars
+        }
     };
     match scalars.is_empty() {
         true => Err(Error::file(path, "has no values of vertices")),
@@ -275,22 +284,38 @@ pub fn read_scalars(path: &Path) -> Result<Vec<Scalars>> {
     }
 }
 
-/// Returns whether [`read_scalars`] may read a file of this name: other names are those of tables.
+/// Opens a file, and returns the format that its content has.
+fn detected(path: &Path) -> Result<(Source<'static>, Option<MeshFormat>)> {
+    let named = MeshFormat::named(path);
+    let mut source =
+        Source::open_packed(path, |head| detect::packing(head, named), &SourceOptions::new())?;
+    let head = source.peek(detect::LOOK)?;
+    let found = detect::format(&head, source.size());
+    Ok((source, found))
+}
+
+/// Returns whether [`read_scalars`] reads this file, and not the reader of tables: its name is that
+/// of values of FreeSurfer, or its content is that of FreeSurfer or of a mesh.
 ///
 /// ```
-/// use catamaran_geometry::mesh::io::names_scalars;
+/// use catamaran_geometry::mesh::io::holds_scalars;
 ///
-/// assert!(names_scalars("lh.thickness".as_ref()) && names_scalars("a.shape.gii.gz".as_ref()));
-/// assert!(!names_scalars("a.csv".as_ref()));
+/// # let folder = tempfile::tempdir().unwrap();
+/// let path = &folder.path().join("lh.area.pial");
+/// std::fs::write(path, [255u8, 255, 255, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1]).unwrap();
+/// assert!(holds_scalars(path) && holds_scalars("lh.thickness".as_ref()));
+/// assert!(!holds_scalars("a.csv".as_ref()));
 /// ```
-pub fn names_scalars(path: &Path) -> bool {
+pub fn holds_scalars(path: &Path) -> bool {
     let ending = MeshFormat::ending(path);
     let mesh = matches!(&ending[..], "gii" | "vtk" | "vtp" | "vtu" | "msh");
     let freesurfer = matches!(
         &ending[..],
-        "annot" | "area" | "avg_curv" | "curv" | "sulc" | "thickness" | "volume"
+        "annot" | "area" | "avg_curv" | "curv" | "mgh" | "mgz" | "sulc" | "thickness" | "volume"
     );
-    mesh || freesurfer
+    // What is read from a pipe is gone.
+    let by_content = || path.is_file() && matches!(detected(path), Ok((_, Some(_))));
+    mesh || freesurfer || by_content()
 }
 
 /// Writes `file` into `output` in the format that its name implies; the file appears when it is

@@ -98,7 +98,8 @@ pub(super) fn read(lines: &mut Lines<'_>, name: Option<&str>) -> Result<Plant> {
         _ => {
             let (count, all) = (names.len(), names.join(", "));
             let why = name.map_or("choose one by its name".into(), |n| format!("{n:?} is not one"));
-            return Err(lines.fail(format!("the file has {count} plants ({all}): {why}")));
+            let plants = if count == 1 { "plant" } else { "plants" };
+            return Err(lines.fail(format!("the file has {count} {plants} ({all}): {why}")));
         }
     };
     shape::plant(&graph, chosen, lines)

@@ -180,6 +180,9 @@ fn one_of_several_plants_of_an_mtg_is_read_by_its_name() {
     assert_near(named("P8").unwrap().lengths(), &[4.0]);
     let error = named("P2").unwrap_err().to_string();
     assert!(error.contains("3 plants (P1, P7, P8): \"P2\" is not one"), "{error}");
+    std::fs::write(&path, mtg("Length", "/P1/A1/U1/E1\t\t\t1\n")).unwrap();
+    let error = named("P2").unwrap_err().to_string();
+    assert!(error.contains("has 1 plant (P1): \"P2\" is not one"), "{error}");
     let other = read_individual(Path::new("plant.swc"), "P1", &SourceOptions::new());
     assert!(other.unwrap_err().to_string().contains("only .mtg files have names"));
 }

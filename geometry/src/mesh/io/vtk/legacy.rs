@@ -235,12 +235,10 @@ impl Reader<'_> {
                     self.metadata();
                     continue;
                 }
-                b"FIELD" => {
-                    match self.field(operand_count(line, 2)?, of_points.then_some(count))? {
-                        true => continue,
-                        false => return Ok(false),
-                    }
-                }
+                b"FIELD" => match self.field(operand_count(line, 2)?, Some((count, of_points)))? {
+                    true => continue,
+                    false => return Ok(false),
+                },
                 _ => {
                     self.stop(line);
                     return Ok(false);
@@ -290,9 +288,9 @@ impl Reader<'_> {
         }
     }
 
-    /// Reads the arrays of a field, and keeps those of so many vertices. Returns whether the rest
-    /// of the file can be read.
-    fn field(&mut self, arrays: usize, points: Option<usize>) -> Checked<bool> {
+    /// Reads the arrays of a field: of so many vertices (`true`), which are kept, of so many cells,
+    /// or of the whole file (`None`). Returns whether the rest of the file can be read.
+    fn field(&mut self, arrays: usize, owner: Option<(usize, bool)>) -> Checked<bool> {
         for _ in 0..arrays {
             let line = loop {
                 let line = self.cursor.full_line().ok_or("truncated: an array is missing")?;
@@ -312,9 +310,17 @@ impl Reader<'_> {
                 return Ok(false);
             };
             let values = self.values(width.saturating_mul(rows), kind, "an array of a field")?;
-            if points == Some(rows) {
-                self.keep(operand(line, 0)?, None, width, values, stored)?;
-            }
+            let name = operand(line, 0)?;
+            let what = match owner {
+                None => continue,
+                Some((count, true)) if count == rows => {
+                    self.keep(name, None, width, values, stored)?;
+                    continue;
+                }
+                Some((_, true)) => "left out arrays without a value for each vertex",
+                Some((_, false)) => "left out values of cells",
+            };
+            self.dataset.draft.notes.add(what, || decoded(name));
         }
         Ok(true)
     }
