@@ -1,6 +1,6 @@
 //! The kernels for AVX2 and AVX-VNNI, which differ in their products: of 16-bit numbers, added in
-//! pairs, or by dot products of bytes ([`dots`](super::dots)). Norms, the reduction of the sums of pairs and
-//! recombination are the portable code, compiled for AVX2.
+//! pairs, or by dot products of bytes ([`dots`](super::dots)). Norms, the reduction of the sums of
+//! pairs and recombination are the portable code, compiled for AVX2.
 
 use std::arch::x86_64::*;
 

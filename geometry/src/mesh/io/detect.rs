@@ -1,29 +1,12 @@
-//! Detects the packing and the format of a file from its content.
+//! What the content of a file tells about its format.
 
-use super::format::MeshFormat;
-use super::formats::FORMATS;
 use super::stored::Kind;
-use super::text::{number, of_utf16, without_mark, words};
+use super::text::{LOOK, number, without_mark, words};
 use super::{freesurfer, off};
-use catamaran::io::Packing;
-
-/// Number of bytes of a file that are read to detect its format.
-pub(super) const LOOK: usize = 1 << 16;
 
 /// Least ratio of lines that are statements of OBJ to lines that are not: programs add statements
 /// of their own.
 const LEAST_KNOWN: usize = 8;
-
-/// Returns the packing of a file that begins with `head`; the name of the file says `named`.
-pub(super) fn packing(head: &[u8], named: (Option<MeshFormat>, Packing)) -> Packing {
-    let named_threemf = named == (Some(MeshFormat::ThreeMf), Packing::None);
-    match Packing::of_content(head) {
-        // 3MF is an archive itself.
-        Packing::Zip if named_threemf || is_threemf(&Head::new(head, None)) => Packing::None,
-        Packing::None if format(head, None).is_none() => named.1,
-        found => found,
-    }
-}
 
 /// The beginning of a file.
 pub(super) struct Head<'a> {
@@ -52,15 +35,6 @@ impl<'a> Head<'a> {
         let bare = lines.filter_map(|line| line.split(|&byte| byte == b'#').next());
         bare.filter(|line| !line.trim_ascii().is_empty())
     }
-}
-
-/// Returns the format of a file that begins with `bytes`, and has `size` bytes if that is known;
-/// `None` if it fits no format.
-pub(super) fn format(bytes: &[u8], size: Option<u64>) -> Option<MeshFormat> {
-    let decoded = of_utf16(bytes);
-    let head = Head::new(decoded.as_deref().unwrap_or(bytes), size);
-    let found = FORMATS.iter().rev().find(|format| (format.fits)(&head))?;
-    found.endings.first().map(|(_, format)| *format)
 }
 
 pub(super) fn is_gltf(head: &Head<'_>) -> bool {

@@ -1,15 +1,20 @@
 //! The table of formats, from which detection, help, the guide and errors are made.
 
+use std::mem::discriminant;
+use std::path::Path;
+
+use super::super::TriMesh;
 use super::attributes::MeshFile;
 use super::detect::{self, Head};
-use super::format::MeshFormat;
+use super::format::{MeshFormat, name};
 use super::gltf::GltfEncoding;
 use super::ply::PlyEncoding;
 use super::stl::StlEncoding;
+use super::text::of_utf16;
 use super::vtk::{self, VtkEncoding};
 use super::{freesurfer, gifti, gltf, gmsh, obj, off, ply, stl, threemf};
-use catamaran::base::Result;
-use catamaran::io::Source;
+use catamaran::base::{Error, Result};
+use catamaran::io::{Packing, Source};
 
 /// What a format can store besides a mesh without lone vertices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -214,6 +219,152 @@ pub(super) static FORMATS: [Description; 11] = [
     },
 ];
 
+impl MeshFormat {
+    /// Returns the format and the packing that the name of a file implies.
+    pub(super) fn named(path: &Path) -> (Option<Self>, Packing) {
+        let ending = Self::ending(path);
+        let mut all = FORMATS.iter().flat_map(|format| format.endings);
+        let format = all.find(|(known, _)| *known == ending).map(|(_, format)| *format);
+        (format, Packing::of(&name(path)).1)
+    }
+
+    /// Returns the row of this format in the table of formats.
+    pub(super) fn description(self) -> &'static Description {
+        let is_own = |(_, format): &(&str, Self)| discriminant(format) == discriminant(&self);
+        let found = FORMATS.iter().find(|format| format.endings.iter().any(is_own));
+        found.unwrap_or(&FORMATS[0])
+    }
+
+    /// Returns the endings of the names of the files that can be read, such as ".obj, .ply or
+    /// .glb"; `.gz` or `.xz` may follow.
+    ///
+    /// ```
+    /// use catamaran_geometry::mesh::io::MeshFormat;
+    ///
+    /// assert!(MeshFormat::readable().starts_with(".obj, .ply, "));
+    /// ```
+    pub fn readable() -> String {
+        endings(false)
+    }
+
+    /// Returns the endings of the names of the files that can be written; `.gz` may follow.
+    ///
+    /// ```
+    /// use catamaran_geometry::mesh::io::MeshFormat;
+    ///
+    /// assert!(MeshFormat::writable().starts_with(".obj, .ply, "));
+    /// ```
+    pub fn writable() -> String {
+        endings(true)
+    }
+
+    /// Returns the format that the name of a file to be written implies; the name may end in a
+    /// packing (`.gz`).
+    ///
+    /// ```
+    /// use catamaran_geometry::mesh::io::MeshFormat;
+    ///
+    /// assert_eq!(MeshFormat::of("a.off.gz".as_ref())?, MeshFormat::Off);
+    /// assert!(MeshFormat::of("a.doc".as_ref()).is_err());
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Io`] for a name that implies no format.
+    pub fn of(path: &Path) -> Result<Self> {
+        let what = match Self::named(path).0 {
+            Some(format) if format.description().written.is_some() => return Ok(format),
+            Some(format) => format!("{} files can only be read", format.title()),
+            None => "unknown kind of mesh".into(),
+        };
+        let known = endings(true);
+        let what = format!(
+            "{what}: the name must end in {known}, and may have .gz or (for reading) .xz, .zst or \
+             .zip after it"
+        );
+        Err(Error::file(path, what))
+    }
+
+    pub(super) fn title(self) -> &'static str {
+        self.description().title
+    }
+
+    /// Returns the attributes of a file that this format can't store and that
+    /// [`write()`](super::write()) leaves out, in plain words; empty when all are stored.
+    ///
+    /// ```
+    /// use catamaran_geometry::mesh::{families, io::{MeshFile, MeshFormat}};
+    ///
+    /// let mut sphere = MeshFile::from(families::icosphere(1)?);
+    /// assert!(MeshFormat::Off.left_out(&sphere).is_empty());
+    /// sphere.material_files = vec!["spot.mtl".into()];
+    /// assert_eq!(MeshFormat::Off.left_out(&sphere), ["materials"]);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    pub fn left_out(self, file: &MeshFile) -> Vec<&'static str> {
+        let stores = |what| self.description().stores.contains(&what);
+        let (colors, normals) = (file.colors.is_some(), file.normals.as_ref());
+        let beside = colors && !stores(Stored::NormalsBesideColors);
+        let of_corners = normals.is_some_and(|normals| normals.corners.is_some());
+        let of_corners = of_corners && !beside && !stores(Stored::CornerNormals);
+        let material_files = !file.material_files.is_empty() && !stores(Stored::MaterialFiles);
+        let materials = (file.materials.is_some() || material_files) && !stores(Stored::Materials);
+        let groups = file.groups.is_some() || file.objects.is_some();
+        let normals = normals.map(|_| stores(Stored::Normals));
+        let lone = !stores(Stored::LoneVertices) && has_lone_vertices(&file.mesh);
+        let all = [
+            (lone, "vertices without a face"),
+            (file.uv.is_some() && !stores(Stored::Uv), "texture coordinates"),
+            (normals == Some(false), "normals"),
+            (normals == Some(true) && beside, "normals beside colours"),
+            (normals == Some(true) && of_corners, "normals of corners"),
+            (colors && !stores(Stored::Colors), "colours"),
+            (materials, "materials"),
+            (material_files && !materials, "files of materials"),
+            (groups && !stores(Stored::Groups), "groups"),
+            (!file.scalars.is_empty() && !stores(Stored::Scalars), "scalars"),
+        ];
+        all.into_iter().filter(|(lost, _)| *lost).map(|(_, what)| what).collect()
+    }
+
+    /// Returns the format that has every digit as text, instead of single precision or binary
+    /// numbers; `None` for those that have single precision as text, too, or are only read.
+    ///
+    /// ```
+    /// use catamaran_geometry::mesh::io::{MeshFormat, PlyEncoding, StlEncoding};
+    ///
+    /// let format = MeshFormat::of("a.stl".as_ref())?;
+    /// assert_eq!(format, MeshFormat::Stl(StlEncoding::Binary));
+    /// assert_eq!(format.as_text(), Some(MeshFormat::Stl(StlEncoding::Ascii)));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    pub fn as_text(self) -> Option<Self> {
+        self.description().text
+    }
+}
+
+/// Returns the packing of a file that begins with `head`; the name of the file says `named`.
+pub(super) fn packing(head: &[u8], named: (Option<MeshFormat>, Packing)) -> Packing {
+    let named_threemf = named == (Some(MeshFormat::ThreeMf), Packing::None);
+    match Packing::of_content(head) {
+        // 3MF is an archive itself.
+        Packing::Zip if named_threemf || detect::is_threemf(&Head::new(head, None)) => {
+            Packing::None
+        }
+        Packing::None if format(head, None).is_none() => named.1,
+        found => found,
+    }
+}
+
+/// Returns the format of a file that begins with `bytes`, and has `size` bytes if that is known;
+/// `None` if it fits no format.
+pub(super) fn format(bytes: &[u8], size: Option<u64>) -> Option<MeshFormat> {
+    let decoded = of_utf16(bytes);
+    let head = Head::new(decoded.as_deref().unwrap_or(bytes), size);
+    let found = FORMATS.iter().rev().find(|format| (format.fits)(&head))?;
+    found.endings.first().map(|(_, format)| *format)
+}
+
 /// Returns the names of all formats, such as "OBJ, PLY or glTF".
 pub(super) fn titles() -> String {
     in_words(FORMATS.iter().map(|format| format.title.to_owned()))
@@ -245,6 +396,13 @@ pub(super) fn rows() -> String {
         format!("| {} | {endings} | {written} | {stored}{instead} |\n", format.title)
     };
     FORMATS.iter().map(row).collect()
+}
+
+/// Returns whether some vertex is in no face.
+fn has_lone_vertices(mesh: &TriMesh) -> bool {
+    let mut lone = vec![true; mesh.vertices().len()];
+    mesh.faces().as_flattened().iter().for_each(|&v| lone[v as usize] = false);
+    lone.contains(&true)
 }
 
 /// Returns a list with "or" before the last item.

@@ -130,13 +130,13 @@ pub fn read_with(path: &Path, options: &SourceOptions<'_>) -> Result<MeshFile> {
         return Err(empty(path));
     }
     let (named, named_packing) = MeshFormat::named(path);
-    let packing = |head: &[u8]| detect::packing(head, (named, named_packing));
+    let packing = |head: &[u8]| formats::packing(head, (named, named_packing));
     let mut source = Source::open_packed(path, packing, options)?;
-    let head = source.peek(detect::LOOK)?;
+    let head = source.peek(text::LOOK)?;
     if head.is_empty() {
         return Err(empty(path));
     }
-    let found = detect::format(&head, source.size());
+    let found = formats::format(&head, source.size());
     if let (None, Some(what)) = (found, detect::other(&head)) {
         return Err(Error::file(
             path,
@@ -288,9 +288,9 @@ pub fn read_scalars(path: &Path) -> Result<Vec<Scalars>> {
 fn detected(path: &Path) -> Result<(Source<'static>, Option<MeshFormat>)> {
     let named = MeshFormat::named(path);
     let mut source =
-        Source::open_packed(path, |head| detect::packing(head, named), &SourceOptions::new())?;
-    let head = source.peek(detect::LOOK)?;
-    let found = detect::format(&head, source.size());
+        Source::open_packed(path, |head| formats::packing(head, named), &SourceOptions::new())?;
+    let head = source.peek(text::LOOK)?;
+    let found = formats::format(&head, source.size());
     Ok((source, found))
 }
 

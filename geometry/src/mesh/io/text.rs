@@ -1,7 +1,9 @@
 //! Text of other encodings and line ends, and the words and numbers in a line of bytes.
 
-use super::detect::LOOK;
 use super::draft::Checked;
+
+/// Number of bytes of a file that are read to detect its format.
+pub(super) const LOOK: usize = 1 << 16;
 
 /// Returns the UTF-8 of text in UTF-16 that begins with a byte order mark.
 pub(super) fn of_utf16(bytes: &[u8]) -> Option<Vec<u8>> {

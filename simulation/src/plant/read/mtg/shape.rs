@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::super::super::{Plant, Segment};
 use super::super::lines::Lines;
-use super::{AZIMUTH, BASE, Component, Graph, INSERTION, LENGTH};
+use super::graph::{AZIMUTH, BASE, Component, Graph, INSERTION, LENGTH};
 use catamaran::base::Result;
 use catamaran_geometry::mesh::vector::{add, cross, distance, scale};
 
