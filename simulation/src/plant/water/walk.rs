@@ -147,7 +147,7 @@ impl<'a> Walk<'a> {
 
     /// Returns the balance of the water.
     pub fn balance(&self) -> Balance {
-        let plant = self.present.iter().zip(&self.model.full).map(|(w, m)| w * m).sum();
+        let plant: f64 = self.present.iter().zip(&self.model.full).map(|(w, m)| w * m).sum();
         let supplied = self.held + self.model.intake * self.time;
         let (soil, transpired) = match &self.solver {
             Some(Solver::Sdirk(sdirk)) => (sdirk.content(), sdirk.transpired()),
