@@ -1318,7 +1318,7 @@ cata_status cata_mesh_file_get_names(const cata_mesh_file *file, int32_t kind, u
 cata_status cata_mesh_file_set_names(cata_mesh_file *file, int32_t kind, size_t count,
     const char *const *names, const uint32_t *of_faces);
 
-/** Gets the number of functions on the vertices that the file has (VTK, GIFTI, Gmsh): 0 for none. */
+/** Gets the number of functions on the vertices in the file (VTK, GIFTI, Gmsh). */
 cata_status cata_mesh_file_scalars(const cata_mesh_file *file, size_t *count);
 
 /** Gets a function on the vertices. NULL where not wanted.
