@@ -230,9 +230,13 @@ fn planar_obj_and_numbers_of_windows_are_read() {
     let file = read_bytes(b"v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n", OBJ).unwrap();
     assert_eq!(file.mesh.vertices()[2], [0.0, 1.0, 0.0]);
     assert!(file.notes[0].starts_with("took 0 for z"), "{:?}", file.notes);
-    // In no face; the # is part of a number.
-    let file = read_bytes(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1.#IND 0 0\nf 1 2 3 # one\n", OBJ);
-    assert_eq!(file.unwrap().mesh.vertices().len(), 3);
+    // In no face; the # is part of a number. A comment may follow a number at once, too.
+    let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 1.#top\nv 1.#IND 0 0\nf 1 2 3 # one\n";
+    let off = b"OFF\n4 1 0\n0 0 0\n1 0 0\n0 1 1.#top\n-1.#QNAN 0 0\n3 0 1 2 # one\n";
+    for (bytes, format) in [(&obj[..], OBJ), (&off[..], OFF)] {
+        let vertices = read_bytes(bytes, format).unwrap().mesh.into_parts().0;
+        assert_eq!(vertices, [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 1.0]]);
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! What the content of a file tells about its format.
 
 use super::stored::Kind;
-use super::text::{LOOK, number, without_mark, words};
+use super::text::{LOOK, number, uncommented, without_mark, words};
 use super::{freesurfer, off};
 
 /// Least ratio of lines that are statements of OBJ to lines that are not: programs add statements
@@ -32,8 +32,7 @@ impl<'a> Head<'a> {
             length => length,
         };
         let lines = text[..end].split(is_end);
-        let bare = lines.filter_map(|line| line.split(|&byte| byte == b'#').next());
-        bare.filter(|line| !line.trim_ascii().is_empty())
+        lines.map(uncommented).filter(|line| !line.trim_ascii().is_empty())
     }
 }
 

@@ -10,7 +10,7 @@ use super::colors::Colors;
 use super::draft::{Checked, Draft, Fault, Numbers};
 use super::labels::{Labels, clean_name};
 use super::polygon::fan;
-use super::text::{integer, number, numbers, quoted, words};
+use super::text::{integer, number, numbers, quoted, uncommented, words};
 use catamaran::base::{Result, push};
 use catamaran::io::Source;
 
@@ -102,10 +102,7 @@ struct Reader {
 
 impl Reader {
     fn statement(&mut self, line: &[u8], number: usize) -> Checked<()> {
-        // In "1.#IND" it is part of a number.
-        let is_comment = |i: &usize| line[*i] == b'#' && line[..*i].last() != Some(&b'.');
-        let bare = &line[..(0..line.len()).find(is_comment).unwrap_or(line.len())];
-        let mut words = words(bare);
+        let mut words = words(uncommented(line));
         let Some(keyword) = words.next() else { return self.polypaint(line, number) };
         let faces = self.draft.faces.len();
         // A name may contain a #, so names keep what other statements take for a comment.

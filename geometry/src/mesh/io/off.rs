@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use super::attributes::{Attribute, MeshFile};
 use super::colors::Colors;
 use super::draft::{Checked, Draft, roomy};
-use super::text::{count, integer, number, quoted, words};
+use super::text::{count, integer, number, quoted, uncommented, words};
 use catamaran::base::{Result, push};
 use catamaran::io::Source;
 
@@ -49,7 +49,7 @@ impl<'s, 'a> Tokens<'s, 'a> {
         while self.left() == 0 {
             let Some(line) = self.source.next_bytes()? else { return Ok(false) };
             self.line.clear();
-            self.line.extend(line.iter().take_while(|&&byte| byte != b'#'));
+            self.line.extend_from_slice(uncommented(line));
             self.taken = 0;
         }
         Ok(true)

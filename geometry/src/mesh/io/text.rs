@@ -51,6 +51,24 @@ pub(super) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     line.split(|byte| byte.is_ascii_whitespace()).filter(|word| !word.is_empty())
 }
 
+/// Returns a line without its comment, which begins with a #, unless that is part of a number, as
+/// in `1.#IND`.
+pub(super) fn uncommented(line: &[u8]) -> &[u8] {
+    const KINDS: [&[u8]; 4] = [b"ind", b"inf", b"qnan", b"snan"];
+    let mut from = 0;
+    while let Some(at) = line[from..].iter().position(|&byte| byte == b'#') {
+        let (before, rest) = (&line[..from + at], &line[from + at + 1..]);
+        let is_kind = |kind: &&[u8]| {
+            rest.get(..kind.len()).is_some_and(|word| word.eq_ignore_ascii_case(kind))
+        };
+        if !before.ends_with(b"1.") || !KINDS.iter().any(is_kind) {
+            return before;
+        }
+        from += at + 1;
+    }
+    line
+}
+
 /// Parses a floating-point number, including the forms in which C libraries print numbers that are
 /// not finite, such as `-nan(ind)` and `1.#QNAN`.
 pub(super) fn number(word: &[u8]) -> Checked<f64> {
