@@ -67,6 +67,8 @@ pub struct Plant {
     lengths: Vec<f64>,
     root: u32,
     base: [f64; 3],
+    /// Whether the radii are a share of the lengths, in the unit of these.
+    has_guessed_radii: bool,
     notes: Vec<String>,
 }
 
@@ -200,7 +202,8 @@ impl Plant {
                 None => [tail[0], tail[1], tail[2] - 0.01],
             }
         });
-        let mut plant = Self { lengths: vec![], segments, parents, root, base, notes: vec![] };
+        let (lengths, notes, has_guessed_radii) = (vec![], vec![], false);
+        let mut plant = Self { segments, parents, lengths, root, base, has_guessed_radii, notes };
         plant.lengths =
             (0..plant.len()).map(|v| distance(plant.head(v), plant.segments[v].tail)).collect();
         match plant.lengths.iter().position(|&h| h.is_nan() || h <= 0.0 || h.is_infinite()) {
@@ -278,6 +281,11 @@ impl Plant {
         Self { notes, ..self }
     }
 
+    /// Says whether the radii are a share of the lengths, and have their unit.
+    pub(crate) fn with_guessed_radii(self, has_guessed_radii: bool) -> Self {
+        Self { has_guessed_radii, ..self }
+    }
+
     /// Notes the extent of the plant, base included, if it is that of no plant in metres.
     pub(crate) fn noting_span(mut self) -> Self {
         let span = |i: usize| {
@@ -294,7 +302,7 @@ impl Plant {
 
     /// Returns the plant with its coordinates and lengths times `length` and its radii times
     /// `radius`, both positive: the units of a file in metres. Leaf areas grow with the square of
-    /// `length`.
+    /// `length`. Radii that a reader guessed from the lengths are multiplied by `length`.
     ///
     /// ```
     /// use catamaran_simulation::plant::{Plant, Segment};
@@ -316,7 +324,8 @@ impl Plant {
                 return Err(Error::Argument { what, why });
             }
         }
-        let Self { mut segments, parents, root, base, mut notes, .. } = self;
+        let Self { mut segments, parents, root, base, has_guessed_radii, mut notes, .. } = self;
+        let radius = if has_guessed_radii { length } else { radius };
         for segment in &mut segments {
             segment.tail = scale(segment.tail, length);
             segment.radius *= radius;
@@ -327,7 +336,7 @@ impl Plant {
         let count = notes.len();
         notes.retain(|note| !note.ends_with(NO_UNITS));
         let noted = notes.len() < count;
-        let plant = plant.with_notes(notes);
+        let plant = plant.with_notes(notes).with_guessed_radii(has_guessed_radii);
         Ok(if noted { plant.noting_span() } else { plant })
     }
 

@@ -156,6 +156,9 @@ fn an_mtg_without_diameters_has_slender_segments_and_a_note() {
     assert_eq!((plant.len(), plant.base()), (2, [0.0; 3]));
     assert!(plant.segments().iter().all(|s| s.radius == 0.1));
     assert!(plant.notes().iter().any(|note| note.contains("no diameters")));
+    // They have the unit of the lengths.
+    let plant = plant.scaled(0.01, 0.001).unwrap();
+    assert!(plant.segments().iter().all(|s| (s.radius - 0.001).abs() < 1e-15));
     let rows = "/P1/A1/U1/E1\t\t\t0\t0\t1\t.2\n^<E2\t\t\t0\t0\t200\n";
     let plant = plant_of(POINTS, rows);
     assert_eq!(plant.segments()[1].radius, 0.1);

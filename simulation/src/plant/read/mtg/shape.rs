@@ -134,14 +134,15 @@ pub(super) fn plant(graph: &Graph, chosen: Range<usize>, lines: &Lines<'_>) -> R
     }
     match radii.iter().filter(|r| r.is_none()).count() {
         0 => {}
-        _ if largest <= 0.0 => notes.push(format!(
-            "no diameters: the radius is {SLENDERNESS} times the mean length, {first:.1e}"
-        )),
+        _ if largest <= 0.0 => {
+            notes.push(format!("no diameters: the radius is {SLENDERNESS} times the mean length"))
+        }
         missing => notes.push(format!(
             "{missing} of {count} segments have no diameter: they take that of their bearers"
         )),
     }
-    Ok(Plant::new(segments, &parents, base)?.with_notes(notes).noting_span())
+    let plant = Plant::new(segments, &parents, base)?.with_notes(notes);
+    Ok(plant.with_guessed_radii(largest <= 0.0).noting_span())
 }
 
 /// Returns why no component has a shape.
