@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use catamaran::base::cpu_features;
+use catamaran::base::{IsaLevel, cpu_features, isa_limit};
 
 use crate::Result;
 use crate::library::{Rival, find};
@@ -51,12 +51,13 @@ pub fn describe(rivals: &[&Rival]) -> String {
     let flags = field(&flags, "flags").unwrap_or_default();
     let amx: Vec<_> = flags.split(' ').filter(|f| f.starts_with("amx")).collect();
     let mut text = format!(
-        "cpu       {}\ncores     {}\nflags     {} {}\nmemory    {}\nrustc     {}\ndate      {}\n\
+        "cpu       {}\ncores     {}\nflags     {} {}\nlimit     {}\nmemory    {}\nrustc     {}\ndate      {}\n\
          commit    {}\nload      {}\n",
         cpu_model(),
         cores(),
         cpu_features().join(" "),
         amx.join(" "),
+        isa_limit().map_or("none", IsaLevel::name),
         field(&info, "MemTotal").unwrap_or("unknown"),
         output("rustc", &["--version"]),
         output("date", &["-u", "+%Y-%m-%d %H:%M UTC"]),
@@ -83,11 +84,18 @@ fn output(program: &str, arguments: &[&str]) -> String {
         .map_or_else(|_| "unknown".into(), |o| String::from_utf8_lossy(&o.stdout).trim().to_owned())
 }
 
+/// The variables that limit rivals to AVX2, as `CATAMARAN_ISA=avx2` limits ours. faer has none.
+const AVX2_KERNELS: [(&str, &str); 3] = [
+    ("MKL_ENABLE_INSTRUCTIONS", "AVX2"),
+    ("OPENBLAS_CORETYPE", "Haswell"),
+    ("BLIS_ARCH_TYPE", "haswell"),
+];
+
 /// Restarts this program when the environment is not the one that the rivals need: most read it
 /// when they are loaded, and setting it in a running process is too late.
 ///
 /// # Errors
-/// When the program can't be started again.
+/// When `CATAMARAN_ISA` names no level, or the program can't be started again.
 pub fn with_environment_for_rivals(folder: &Path, openblas: Kernels) -> Result<()> {
     let intel = find("mkl", folder)
         .and_then(|p| Some(p.parent()?.join("libiomp5.so").exists()))
@@ -101,14 +109,20 @@ pub fn with_environment_for_rivals(folder: &Path, openblas: Kernels) -> Result<(
         ("KMP_BLOCKTIME", "1"),
         ("OPENBLAS_THREAD_TIMEOUT", "20"),
     ];
-    if intel_avx512() && std::env::var_os("BLIS_ARCH_TYPE").is_none() {
-        wanted.push(("BLIS_ARCH_TYPE", "skx"));
-    }
     let mut unwanted = vec!["OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"];
-    match openblas {
-        Kernels::OfOldLibrary if intel_avx512() => wanted.push(("OPENBLAS_CORETYPE", "SkylakeX")),
-        // A kernel set forced on OpenBLAS makes it slower.
-        _ => unwanted.push("OPENBLAS_CORETYPE"),
+    if isa_limit()? < IsaLevel::Avx512 {
+        wanted.extend(AVX2_KERNELS);
+    } else {
+        if intel_avx512() && std::env::var_os("BLIS_ARCH_TYPE").is_none() {
+            wanted.push(("BLIS_ARCH_TYPE", "skx"));
+        }
+        match openblas {
+            Kernels::OfOldLibrary if intel_avx512() => {
+                wanted.push(("OPENBLAS_CORETYPE", "SkylakeX"));
+            }
+            // A kernel set forced on OpenBLAS makes it slower.
+            _ => unwanted.push("OPENBLAS_CORETYPE"),
+        }
     }
     let right = wanted.iter().all(|(k, v)| std::env::var(k).is_ok_and(|x| x == *v))
         && unwanted.iter().all(|k| std::env::var_os(k).is_none());
