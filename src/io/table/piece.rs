@@ -111,8 +111,9 @@ impl Piece {
             }
             let line_end = layout.syntax.line_end;
             // A record without quotes is a line.
+            let has_lines = found == Found::Record && (counts_only || self.splitter.had_quotes());
             self.lines += match rest[..bytes].split_last() {
-                Some((_, inner)) if memchr::memchr(line_end, inner).is_some() => {
+                Some((_, inner)) if has_lines && memchr::memchr(line_end, inner).is_some() => {
                     memchr::memchr_iter(line_end, &rest[..bytes]).count()
                 }
                 _ => 1,
@@ -132,7 +133,17 @@ impl Piece {
         let start = self.values.len();
         self.values.resize(start + layout.ncols, f64::NAN);
         let mut is_dropped = false;
+        // The common case, in which UTF-8 is checked once for a line.
+        let is_plain = layout.notation.decimal == '.' && !layout.missing_words.has_numbers;
+        let line = if is_plain { self.splitter.line(text) } else { None };
         for (j, &used) in layout.uses.iter().enumerate() {
+            if let (Use::Number(place), Some(line)) = (used, line)
+                && let Ok(value) = self.splitter.field_of_line(line, j).parse::<f64>()
+                && !value.is_nan()
+            {
+                self.values[start + place] = value;
+                continue;
+            }
             let field = match used {
                 Use::Skip => continue,
                 _ => self.splitter.field(text, j),

@@ -149,6 +149,23 @@ impl Splitter {
         }
     }
 
+    /// Returns the last record, which began `text`, if it has no quotes and is UTF-8.
+    pub fn line<'t>(&self, text: &'t [u8]) -> Option<&'t str> {
+        let end = self.fields.last().filter(|_| !self.is_unquoted)?.end;
+        std::str::from_utf8(&text[..end]).ok()
+    }
+
+    /// Returns a field of [`Splitter::line`], without blanks around it.
+    #[inline]
+    pub fn field_of_line<'t>(&self, line: &'t str, j: usize) -> &'t str {
+        line[self.fields[j].clone()].trim_ascii()
+    }
+
+    /// Returns whether the last record had quotes, and so may have several lines.
+    pub fn had_quotes(&self) -> bool {
+        self.is_unquoted
+    }
+
     /// Returns whether the last record ends with the file, within quotes that are not closed.
     pub fn is_open(&self) -> bool {
         self.is_open

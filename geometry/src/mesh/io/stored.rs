@@ -41,15 +41,17 @@ impl Kind {
 
     /// Returns the number in these bytes, of which there are [`Kind::size`]; integers beyond 2^53
     /// are rounded.
+    #[inline]
     pub fn number(self, bytes: &[u8], is_big: bool) -> f64 {
-        let mut wide = [0; 8];
-        let size = self.size().min(bytes.len());
-        let bits = if is_big {
-            wide[8 - size..].copy_from_slice(&bytes[..size]);
-            u64::from_be_bytes(wide)
-        } else {
-            wide[..size].copy_from_slice(&bytes[..size]);
-            u64::from_le_bytes(wide)
+        // Copies of a known length are instructions, not calls.
+        let bits = match (self.size(), is_big) {
+            (1, _) => u64::from(first::<1>(bytes)[0]),
+            (2, false) => u64::from(u16::from_le_bytes(first(bytes))),
+            (2, true) => u64::from(u16::from_be_bytes(first(bytes))),
+            (4, false) => u64::from(u32::from_le_bytes(first(bytes))),
+            (4, true) => u64::from(u32::from_be_bytes(first(bytes))),
+            (_, false) => u64::from_le_bytes(first(bytes)),
+            (_, true) => u64::from_be_bytes(first(bytes)),
         };
         match self {
             Self::I8 => f64::from(bits as i8),
@@ -72,6 +74,11 @@ impl Kind {
         values.extend(bytes.chunks_exact(self.size()).map(|own| self.number(own, is_big)));
         Ok(values)
     }
+}
+
+/// Returns the first bytes, of which there are enough.
+fn first<const N: usize>(bytes: &[u8]) -> [u8; N] {
+    bytes.first_chunk().copied().unwrap_or([0; N])
 }
 
 /// Returns the number of half precision (IEEE 754, binary16) with these bits.
