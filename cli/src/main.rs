@@ -212,10 +212,11 @@ fn parse_command_line() -> (Cli, String) {
     let words: Vec<_> = std::env::args_os().collect();
     let mut matches = command.try_get_matches_from_mut(&words).unwrap_or_else(|error| {
         let error = renamed::explained(parse::explained(error, &command), &command, &words);
-        if error.kind() == ErrorKind::DisplayVersion {
-            let [mpi, hdf5] = info::mpi_and_hdf5();
+        // `-V` prints the version only.
+        let is_long = words.iter().any(|word| word == "--version");
+        if error.kind() == ErrorKind::DisplayVersion && is_long {
             // Nobody reads what can't be printed.
-            let _ = writeln!(io::stdout(), "{error}MPI {mpi}\nHDF5 {hdf5}");
+            let _ = io::stdout().write_all(info::long_version().as_bytes());
             std::process::exit(0);
         }
         error.exit()
