@@ -23,7 +23,7 @@ const FEATURES: [(&str, bool); 5] = [
     ("openblas", cfg!(feature = "openblas")),
 ];
 
-/// Print the version and the features of the program, and what it finds on this machine.
+/// Print the version and features of the program, and what it finds on this machine.
 ///
 /// The lines name the commit, the MPI library and HDF5, the CPU, the BLAS back ends, the
 /// instruction sets of the native kernels and of the exact path, the rates that `tune` measured,

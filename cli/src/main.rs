@@ -37,6 +37,7 @@ mod pca;
 mod picture;
 mod pieces;
 mod predict;
+mod program;
 mod progress;
 mod ranks;
 mod renamed;
@@ -62,7 +63,7 @@ use std::process::ExitCode;
 use anyhow::{Context, Result};
 use catamaran::base::{FloatEnv, isa_limit, use_own_threads_only};
 use clap::error::ErrorKind;
-use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
+use clap::{FromArgMatches as _, Parser, Subcommand};
 
 /// The exit codes of the process, for the help text.
 const EXIT_CODES: &str = "\
@@ -77,7 +78,7 @@ commands refuse to run several times.";
 
 /// A^T A, spectra and geometry at scale.
 #[derive(Parser)]
-#[command(name = "catamaran", version, about, arg_required_else_help = true, after_help = EXIT_CODES)]
+#[command(name = "catamaran", version, arg_required_else_help = true, after_help = EXIT_CODES)]
 struct Cli {
     /// Most memory that one input file may take, in GiB: what it unpacks to, or what its header
     /// announces [default: a hundred times the size of the file, at least 1 GiB]. Also the most
@@ -208,7 +209,7 @@ fn main() -> ExitCode {
 /// Parses the command line, and returns it with the name of the command; exits with status 2 if it
 /// is wrong.
 fn parse_command_line() -> (Cli, String) {
-    let mut command = parse::with_negative_numbers(Cli::command());
+    let mut command = program::program();
     let words: Vec<_> = std::env::args_os().collect();
     let mut matches = command.try_get_matches_from_mut(&words).unwrap_or_else(|error| {
         let error = renamed::explained(parse::explained(error, &command), &command, &words);

@@ -39,7 +39,7 @@ const VOXELS: u32 = 128;
 /// The mesh, and the options for meshes only.
 const OF_MESHES: [&str; 5] = ["mesh", "no_fit", "uv", "write_material", "inlay"];
 
-/// Draw a Newton fractal in four dimensions (bicomplex numbers) on a plane, a mesh or a volume.
+/// Draw a Newton fractal of bicomplex numbers on a plane, a mesh or a volume.
 ///
 /// Each point gets the colour of the root that Newton's method takes it to; slow convergence
 /// darkens the colour. Without MESH the plane z = 0 is drawn; with MESH its vertices, or with --uv
