@@ -56,6 +56,7 @@ mod transfer;
 mod tune;
 mod unions;
 mod wilt;
+mod wrap;
 
 use std::io::{self, Write as _};
 use std::process::ExitCode;
@@ -220,7 +221,7 @@ fn parse_command_line() -> (Cli, String) {
             let _ = io::stdout().write_all(info::long_version().as_bytes());
             std::process::exit(0);
         }
-        error.exit()
+        wrap::wrapped(error).exit()
     });
     if let Some(what) = stdio::refusal(&command, &matches) {
         command.error(ErrorKind::ValueValidation, what).exit();

@@ -3,7 +3,7 @@
 use std::io::Write as _;
 use std::process::Stdio;
 
-use crate::common::{Folder, Run};
+use crate::common::{Folder, Run, subcommands};
 use crate::lines::LINES;
 
 #[test]
@@ -15,6 +15,27 @@ fn completions_of_every_shell_name_commands_and_options() {
             assert!(script.contains(word), "{shell}: {word}");
         }
     }
+}
+
+#[test]
+fn lines_of_help_have_at_most_100_columns() {
+    let folder = Folder::new();
+    let mut open = vec![String::new()];
+    let mut count = 0;
+    while let Some(command) = open.pop() {
+        let helps = ["-h", "--help"].map(|flag| folder.succeed(&format!("{command} {flag}")));
+        for line in helps.iter().flat_map(|help| help.lines()) {
+            assert!(line.chars().count() <= 100, "{command}: {line}");
+        }
+        let below = subcommands(&helps[1]).into_iter();
+        open.extend(below.map(|name| format!("{command} {name}").trim().into()));
+        count += 1;
+    }
+    assert!(count > 30, "{count}");
+    // Without arguments the program prints its help, too.
+    let run = folder.run("");
+    assert_eq!(run.code, Some(2), "{}", run.stdout);
+    assert_eq!(run.stderr, folder.succeed("--help"));
 }
 
 #[test]
