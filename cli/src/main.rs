@@ -15,6 +15,7 @@ mod descriptors;
 mod device;
 mod distance;
 mod effects;
+mod examples;
 mod farthest;
 mod filter;
 mod folder;
@@ -66,8 +67,10 @@ use catamaran::base::{FloatEnv, isa_limit, use_own_threads_only};
 use clap::error::ErrorKind;
 use clap::{FromArgMatches as _, Parser, Subcommand};
 
-/// The exit codes of the process, for the help text.
-const EXIT_CODES: &str = "\
+/// The end of the help text, with the exit codes of the process.
+const AFTER_HELP: &str = "\
+`catamaran COMMAND --help` describes a command and its options, and ends with examples.
+
 Exit codes:
   0    success
   1    an error, which the last line on stderr names
@@ -79,7 +82,7 @@ commands refuse to run several times.";
 
 /// A^T A, spectra and geometry at scale.
 #[derive(Parser)]
-#[command(name = "catamaran", version, arg_required_else_help = true, after_help = EXIT_CODES)]
+#[command(name = "catamaran", version, arg_required_else_help = true, after_help = AFTER_HELP)]
 struct Cli {
     /// Most memory that one input file may take, in GiB: what it unpacks to, or what its header
     /// announces [default: a hundred times the size of the file, at least 1 GiB]. Also the most

@@ -2,6 +2,7 @@
 
 use clap::{Command, CommandFactory as _};
 
+use crate::examples::with_examples;
 use crate::{Cli, parse};
 
 /// The commands of the program, in the sections of `catamaran --help`.
@@ -29,9 +30,9 @@ const SECTIONS: [(&str, &[&str]); 4] = [
     ("Tools", &["info", "tune", "demo", "completions", "man"]),
 ];
 
-/// Returns the program that parses command lines and prints help.
+/// Returns the program that parses command lines, prints help and writes man pages.
 pub fn program() -> Command {
-    let program = Cli::command();
+    let program = with_examples(Cli::command());
     let template = template(&program);
     parse::with_negative_numbers(program.help_template(template))
 }

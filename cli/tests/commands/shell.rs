@@ -47,7 +47,7 @@ fn there_is_a_man_page_for_every_command() {
         let count = if words[0] == "unions" { 2 } else { 1 };
         let name = format!("man/catamaran-{}.1", words[..count].join("-"));
         let page = std::fs::read_to_string(folder.path(&name)).expect(&name);
-        assert!(page.contains(".SH OPTIONS"), "{name}");
+        assert!(page.contains(".SH OPTIONS") && page.contains("Examples:"), "{name}");
     }
     let page = std::fs::read_to_string(folder.path("man/catamaran.1")).unwrap();
     assert!(page.contains("Exit codes"), "{page}");
