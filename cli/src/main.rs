@@ -21,6 +21,7 @@ mod filter;
 mod folder;
 mod generate;
 mod gram;
+mod headings;
 #[cfg(test)]
 mod help;
 #[cfg(test)]

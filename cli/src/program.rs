@@ -3,6 +3,7 @@
 use clap::{Command, CommandFactory as _};
 
 use crate::examples::with_examples;
+use crate::headings::with_headings;
 use crate::{Cli, parse};
 
 /// The commands of the program, in the sections of `catamaran --help`.
@@ -32,7 +33,7 @@ const SECTIONS: [(&str, &[&str]); 4] = [
 
 /// Returns the program that parses command lines, prints help and writes man pages.
 pub fn program() -> Command {
-    let program = with_examples(Cli::command());
+    let program = with_headings(with_examples(Cli::command()));
     let template = template(&program);
     parse::with_negative_numbers(program.help_template(template))
 }

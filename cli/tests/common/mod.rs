@@ -37,9 +37,9 @@ pub fn calls(document: &str) -> Vec<&str> {
 #[allow(dead_code)]
 pub fn subcommands(help: &str) -> Vec<String> {
     let (_, rest) = help.split_once("Usage: ").expect("a help text");
-    let list = rest.split("\nOptions:\n").next().unwrap_or(rest);
+    let lines = rest.lines().take_while(|line| !line.trim_start().starts_with('-'));
     // Lines that go on with a sentence are indented further, and arguments begin with a bracket.
-    let names = list.lines().filter_map(|line| line.strip_prefix("  ")?.split(' ').next());
+    let names = lines.filter_map(|line| line.strip_prefix("  ")?.split(' ').next());
     let names = names.filter(|name| name.starts_with(|c: char| c.is_ascii_lowercase()));
     names.filter(|name| *name != "help").map(str::to_owned).collect()
 }
