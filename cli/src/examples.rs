@@ -3,7 +3,7 @@
 use clap::Command;
 
 /// The commands, by their words, and their examples.
-const EXAMPLES: [(&str, &[&str]); 34] = [
+const EXAMPLES: [(&str, &[&str]); 35] = [
     (
         "ata",
         &[
@@ -180,6 +180,7 @@ const EXAMPLES: [(&str, &[&str]); 34] = [
             "catamaran completions fish > ~/.config/fish/completions/catamaran.fish",
         ],
     ),
+    ("help", &["catamaran help ata", "catamaran help unions predict", "catamaran help topics"]),
     ("man", &["catamaran man -o ~/.local/share/man/man1", "catamaran man -o man1 --force"]),
 ];
 

@@ -54,6 +54,7 @@ mod spectrum;
 mod stdio;
 mod svd;
 mod tables;
+mod topics;
 mod transfer;
 mod tune;
 mod unions;
@@ -71,6 +72,7 @@ use clap::{FromArgMatches as _, Parser, Subcommand};
 /// The end of the help text, with the exit codes of the process.
 const AFTER_HELP: &str = "\
 `catamaran COMMAND --help` describes a command and its options, and ends with examples.
+`catamaran help topics` lists pages about files, memory, ranks and others.
 
 Exit codes:
   0    success
@@ -83,7 +85,13 @@ commands refuse to run several times.";
 
 /// A^T A, spectra and geometry at scale.
 #[derive(Parser)]
-#[command(name = "catamaran", version, arg_required_else_help = true, after_help = AFTER_HELP)]
+#[command(
+    name = "catamaran",
+    version,
+    arg_required_else_help = true,
+    disable_help_subcommand = true,
+    after_help = AFTER_HELP
+)]
 struct Cli {
     /// Most memory that one input file may take, in GiB: what it unpacks to, or what its header
     /// announces [default: a hundred times the size of the file, at least 1 GiB]. Also the most
@@ -140,6 +148,7 @@ enum Command {
     Unions(unions::Args),
     Completions(completions::Args),
     Man(man::Args),
+    Help(topics::Args),
 }
 
 impl Command {
@@ -168,7 +177,8 @@ impl Command {
             | Self::Slime(_)
             | Self::Unions(_)
             | Self::Completions(_)
-            | Self::Man(_) => false,
+            | Self::Man(_)
+            | Self::Help(_) => false,
         }
     }
 }
@@ -230,6 +240,9 @@ fn parse_command_line() -> (Cli, String) {
     if let Some(what) = stdio::refusal(&command, &matches) {
         command.error(ErrorKind::ValueValidation, what).exit();
     }
+    if let Some(what) = topics::refusal(&command, &matches) {
+        command.error(ErrorKind::InvalidSubcommand, what).exit();
+    }
     if let Some(what) = effects::missing(&matches) {
         command.error(ErrorKind::ArgumentConflict, what).exit();
     }
@@ -269,5 +282,6 @@ fn run(command: &Command) -> Result<()> {
         Command::Unions(args) => unions::run(args),
         Command::Completions(args) => completions::run(args),
         Command::Man(args) => man::run(args),
+        Command::Help(args) => topics::run(args),
     }
 }

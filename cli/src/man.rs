@@ -26,7 +26,7 @@ pub struct Args {
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
-    let mut command = program().disable_help_subcommand(true);
+    let mut command = program();
     command.build();
     let mut pages = Vec::new();
     collect(command, &mut pages);

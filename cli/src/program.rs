@@ -28,7 +28,7 @@ const SECTIONS: [(&str, &[&str]); 4] = [
         ],
     ),
     ("Simulations", &["wilt", "slime", "newton"]),
-    ("Tools", &["info", "tune", "demo", "completions", "man"]),
+    ("Tools", &["info", "tune", "demo", "completions", "man", "help"]),
 ];
 
 /// Returns the program that parses command lines, prints help and writes man pages.

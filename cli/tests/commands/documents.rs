@@ -119,6 +119,7 @@ fn commands_and_options_that_documents_name_exist() {
         .map(|name| root().join(name))
         .to_vec();
     files(&root().join("docs"), &["md"], &mut documents);
+    files(&root().join("cli/src/topics"), &["md"], &mut documents);
     let mut missing = vec![];
     for document in documents {
         let mut note = |what: &str| missing.push(format!("{}: {what}", document.display()));

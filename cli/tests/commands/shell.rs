@@ -39,6 +39,26 @@ fn lines_of_help_have_at_most_100_columns() {
 }
 
 #[test]
+fn help_prints_what_the_option_prints_and_pages_about_topics() {
+    let folder = Folder::new();
+    for command in ["", "ata", "unions", "unions predict", "help"] {
+        let help = folder.succeed(&format!("help {command}"));
+        assert_eq!(help, folder.succeed(&format!("{command} --help")), "{command}");
+    }
+    let topics = folder.succeed("help topics");
+    let names: Vec<&str> = topics.lines().filter_map(|line| line.split(' ').next()).collect();
+    assert_eq!(names, ["files", "memory", "ranks", "exit-codes", "reproducibility"]);
+    for (name, line) in names.iter().zip(topics.lines()) {
+        let page = folder.succeed(&format!("help {name}"));
+        let title = page.lines().next().unwrap().strip_prefix("# ").unwrap();
+        assert!(line.ends_with(&format!("  {title}")), "{line}: {title}");
+    }
+    let run = folder.run("help spectrun");
+    assert_eq!(run.code, Some(2), "{}", run.stdout);
+    assert!(run.stderr.contains("`spectrun` is neither a command nor a topic"), "{}", run.stderr);
+}
+
+#[test]
 fn there_is_a_man_page_for_every_command() {
     let folder = Folder::new();
     folder.succeed("man -o man");

@@ -41,7 +41,7 @@ pub fn subcommands(help: &str) -> Vec<String> {
     // Lines that go on with a sentence are indented further, and arguments begin with a bracket.
     let names = lines.filter_map(|line| line.strip_prefix("  ")?.split(' ').next());
     let names = names.filter(|name| name.starts_with(|c: char| c.is_ascii_lowercase()));
-    names.filter(|name| *name != "help").map(str::to_owned).collect()
+    names.map(str::to_owned).collect()
 }
 
 /// What a run said and returned.

@@ -73,6 +73,7 @@ pub const LINES: &[&str] = &[
     "unions shape left.off --spectrum values.csv --tolerance 10 -o out.ply",
     "completions bash",
     "man -o man",
+    "help topics",
 ];
 
 /// Their results differ from run to run: they measure time.
