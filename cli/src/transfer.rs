@@ -56,7 +56,7 @@ const SIGNATURES: usize = 50;
 
 /// Transfer functions, or the shape itself, from one mesh to another.
 ///
-/// They are written as sums of orthogonalized products of eigenfunctions.
+/// Functions are written as sums of orthogonalized products of eigenfunctions.
 ///
 /// The correspondence of vertices is given, or computed from a few landmarks or from segments: a
 /// functional map is fitted to these and to wave kernel signatures, and refined; the vertices
