@@ -78,8 +78,8 @@ fn limit() -> Result<()> {
     row!("limit", isa = limit.name(); "{:WIDTH$}{what} (CATAMARAN_ISA)", "limit")
 }
 
-/// Returns what `--version` prints: the version, and the lines of [`run`] on how the program is
-/// built.
+/// Returns the long form of the version: the version, and the lines of [`run`] on how the program
+/// is built.
 pub fn long_version() -> String {
     let lines = build().map(|(label, text)| format!("{label:WIDTH$}{text}\n"));
     format!("catamaran {VERSION}\n{}", lines.concat())
