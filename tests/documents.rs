@@ -39,6 +39,7 @@ fn documents() -> Vec<PathBuf> {
     let mut found = files("docs", "md");
     found.extend(["README.md", "CONTRIBUTING.md", "CHANGELOG.md"].map(|name| root().join(name)));
     found.push(root().join("bench/README.md"));
+    found.extend(files("cli/src/topics", "md"));
     found
 }
 

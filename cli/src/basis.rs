@@ -16,8 +16,9 @@ use crate::progress::Bar;
 use crate::report::status;
 use crate::shape::{LaplacianArgs, Mode};
 
-/// Compute a basis of functions on a mesh: the products of its first eigenfunctions,
-/// orthogonalized.
+/// Compute a basis of functions on a mesh from products of its eigenfunctions.
+///
+/// The products of the first eigenfunctions are orthogonalized.
 ///
 /// Writes the arrays `functions` (a row for each vertex, a column for each function of the basis),
 /// `r` (the coefficients of every product in the basis), `kept` (for each function, the index of

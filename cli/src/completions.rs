@@ -8,10 +8,6 @@ use crate::Cli;
 use crate::report::row;
 
 /// Print the completion script of a shell.
-///
-/// Examples: `catamaran completions bash > ~/.local/share/bash-completion/completions/catamaran`;
-/// `catamaran completions zsh > ~/.zfunc/_catamaran`;
-/// `catamaran completions fish > ~/.config/fish/completions/catamaran.fish`.
 #[derive(clap::Args)]
 pub struct Args {
     /// Shell to print the script for.

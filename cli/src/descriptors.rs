@@ -28,9 +28,9 @@ const K: usize = 100;
 /// The default of --scales.
 const SCALES: usize = 100;
 
-/// Compute shape descriptors of the vertices of a mesh: numbers that distinguish them, in a row for
-/// each vertex.
+/// Compute shape descriptors of the vertices of a mesh.
 ///
+/// Descriptors are numbers that distinguish vertices, in a row for each vertex.
 /// Heat kernel, wave kernel and global point signatures are computed from eigenfunctions, and thus
 /// are the same for any pose. SHOT is computed from the normals nearby, and is the same for rigid
 /// motions. Rings are means of functions over the surface nearby.

@@ -20,7 +20,7 @@ use crate::picture::{Paint, PictureArgs};
 use crate::report::{report, seconds, status};
 use crate::shape::Kind;
 
-/// Compute the distance of every vertex of a mesh from the nearest of the vertices of --from.
+/// Compute the distance of every vertex of a mesh from the nearest of some vertices.
 ///
 /// Distances are in units of the mesh. The distance is infinite for a vertex that no path of faces
 /// or edges connects to a vertex of --from.

@@ -18,9 +18,9 @@ use crate::progress::Bar;
 use crate::report::{report, seconds, status};
 use crate::shape::column;
 
-/// Sample a mesh by farthest points: each sample is the vertex that is farthest, along edges, from
-/// the samples before it.
+/// Sample a mesh by farthest points, along its edges.
 ///
+/// Each sample is the vertex that is farthest from the samples before it.
 /// The first K samples are the same for every N of at least K.
 #[derive(clap::Args)]
 pub struct Args {

@@ -28,7 +28,7 @@ const SHAPES: [(&str, &str, &str); 9] = [
 /// Counts above this are not exact as numbers of f64.
 const LARGEST: f64 = 9_007_199_254_740_992.0;
 
-/// Generate a triangle mesh: a sphere, a surface with holes, a human figure, hills and others.
+/// Generate a triangle mesh: a sphere, a torus, a human figure, hills and others.
 ///
 /// AROUND, TUBE and ALONG of a knot are numbers of vertices of a closed ring; ALONG of a cylinder
 /// is the number of rings of cells. COLUMNS and ROWS are numbers of cells, of two triangles each.

@@ -11,9 +11,23 @@ use crate::{backend, device};
 /// Width of a label, in characters.
 pub const WIDTH: usize = 14;
 
-/// Print the version, the CPU, the MPI library and HDF5, the BLAS back ends, the instruction sets
-/// of the native kernels and of the exact path, the rates that `tune` measured, and the OpenCL
-/// devices.
+/// The commit that the program is built from; empty outside of the repository.
+const COMMIT: &str = env!("CATAMARAN_COMMIT");
+
+/// The features of the package, and whether the program is built with each.
+const FEATURES: [(&str, bool); 5] = [
+    ("columnar", cfg!(feature = "columnar")),
+    ("hdf5", cfg!(feature = "hdf5")),
+    ("mpi", cfg!(feature = "mpi")),
+    ("opencl", cfg!(feature = "opencl")),
+    ("openblas", cfg!(feature = "openblas")),
+];
+
+/// Print the version and features of the program, and what it finds on this machine.
+///
+/// The lines name the commit, the MPI library and HDF5, the CPU, the BLAS back ends, the
+/// instruction sets of the native kernels and of the exact path, the rates that `tune` measured,
+/// and the OpenCL devices.
 #[derive(clap::Args)]
 pub struct Args {
     /// Also load this CBLAS library and print its description.
@@ -24,6 +38,7 @@ pub struct Args {
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
     row!("version", version = VERSION; "{:WIDTH$}{VERSION}", "catamaran")?;
+    built()?;
     let cpu = cpu_model();
     row!("cpu", name = cpu; "{:WIDTH$}{cpu}", "cpu")?;
     let cores = available_cores();
@@ -32,7 +47,6 @@ pub fn run(args: &Args) -> Result<()> {
     let known = if names.is_empty() { "none known".into() } else { names.join(" ") };
     row!("instructions", names = names; "{:WIDTH$}{known}", "instructions")?;
     limit()?;
-    libraries()?;
     let back_ends = ["native", "openblas"].into_iter().chain(args.backend.as_deref());
     back_ends.into_iter().try_for_each(back_end)?;
     head(format_args!("{:WIDTH$}any CBLAS library: --backend PATH", ""))?;
@@ -64,8 +78,16 @@ fn limit() -> Result<()> {
     row!("limit", isa = limit.name(); "{:WIDTH$}{what} (CATAMARAN_ISA)", "limit")
 }
 
-/// Returns the MPI library and the version of HDF5 of this program, or how to build it with them.
-pub fn mpi_and_hdf5() -> [String; 2] {
+/// Returns the long form of the version: the version, and the lines of [`run`] on how the program
+/// is built.
+pub fn long_version() -> String {
+    let lines = build().map(|(label, text)| format!("{label:WIDTH$}{text}\n"));
+    format!("catamaran {VERSION}\n{}", lines.concat())
+}
+
+/// Returns the commit, the features, the MPI library and the version of HDF5 of this program, with
+/// labels. A library that it does not have says how to build it.
+fn build() -> [(&'static str, String); 4] {
     #[cfg(feature = "mpi")]
     let mpi = catamaran::ranks::mpi_version();
     #[cfg(not(feature = "mpi"))]
@@ -74,12 +96,25 @@ pub fn mpi_and_hdf5() -> [String; 2] {
     let hdf5 = catamaran::io::hdf5_version();
     #[cfg(not(feature = "hdf5"))]
     let hdf5 = "not in this build (build with --features hdf5)".to_owned();
-    [mpi, hdf5]
+    let or = |text: String, empty: &str| if text.is_empty() { empty.into() } else { text };
+    [
+        ("commit", or(COMMIT.into(), "unknown")),
+        ("features", or(features().join(" "), "none")),
+        ("MPI", mpi),
+        ("HDF5", hdf5),
+    ]
 }
 
-/// Reports the libraries that this program was built with.
-fn libraries() -> Result<()> {
-    let [mpi, hdf5] = mpi_and_hdf5();
+/// Returns the names of the features that the program is built with.
+fn features() -> Vec<&'static str> {
+    FEATURES.into_iter().filter(|(_, is_built)| *is_built).map(|(name, _)| name).collect()
+}
+
+/// Reports how this program is built.
+fn built() -> Result<()> {
+    let [(label, commit), (features_label, features_text), (_, mpi), (_, hdf5)] = build();
+    row!("commit", commit = COMMIT; "{label:WIDTH$}{commit}")?;
+    row!("features", names = features(); "{features_label:WIDTH$}{features_text}")?;
     row!("mpi", available = cfg!(feature = "mpi"), library = mpi; "{:WIDTH$}{mpi}", "MPI")?;
     row!("hdf5", available = cfg!(feature = "hdf5"), library = hdf5; "{:WIDTH$}{hdf5}", "HDF5")
 }
@@ -141,4 +176,19 @@ pub fn cpu_model() -> String {
         return brand.as_str().trim().to_owned();
     }
     format!("unknown ({})", std::env::consts::ARCH)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    #[test]
+    fn the_features_are_those_of_the_package() {
+        let package: toml::Table = include_str!("../Cargo.toml").parse().unwrap();
+        let features = package["features"].as_table().unwrap().keys().map(String::as_str);
+        let features: BTreeSet<_> = features.filter(|name| *name != "default").collect();
+        assert_eq!(FEATURES.map(|(name, _)| name).into_iter().collect::<BTreeSet<_>>(), features);
+    }
 }

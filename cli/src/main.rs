@@ -15,11 +15,13 @@ mod descriptors;
 mod device;
 mod distance;
 mod effects;
+mod examples;
 mod farthest;
 mod filter;
 mod folder;
 mod generate;
 mod gram;
+mod headings;
 #[cfg(test)]
 mod help;
 #[cfg(test)]
@@ -37,6 +39,7 @@ mod pca;
 mod picture;
 mod pieces;
 mod predict;
+mod program;
 mod progress;
 mod ranks;
 mod renamed;
@@ -51,10 +54,12 @@ mod spectrum;
 mod stdio;
 mod svd;
 mod tables;
+mod topics;
 mod transfer;
 mod tune;
 mod unions;
 mod wilt;
+mod wrap;
 
 use std::io::{self, Write as _};
 use std::process::ExitCode;
@@ -62,10 +67,13 @@ use std::process::ExitCode;
 use anyhow::{Context, Result};
 use catamaran::base::{FloatEnv, isa_limit, use_own_threads_only};
 use clap::error::ErrorKind;
-use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
+use clap::{FromArgMatches as _, Parser, Subcommand};
 
-/// The exit codes of the process, for the help text.
-const EXIT_CODES: &str = "\
+/// The end of the help text, with the exit codes of the process.
+const AFTER_HELP: &str = "\
+`catamaran COMMAND --help` describes a command and its options, and ends with examples.
+`catamaran help topics` lists pages about files, memory, ranks and others.
+
 Exit codes:
   0    success
   1    an error, which the last line on stderr names
@@ -77,7 +85,13 @@ commands refuse to run several times.";
 
 /// A^T A, spectra and geometry at scale.
 #[derive(Parser)]
-#[command(name = "catamaran", version, about, arg_required_else_help = true, after_help = EXIT_CODES)]
+#[command(
+    name = "catamaran",
+    version,
+    arg_required_else_help = true,
+    disable_help_subcommand = true,
+    after_help = AFTER_HELP
+)]
 struct Cli {
     /// Most memory that one input file may take, in GiB: what it unpacks to, or what its header
     /// announces [default: a hundred times the size of the file, at least 1 GiB]. Also the most
@@ -134,6 +148,7 @@ enum Command {
     Unions(unions::Args),
     Completions(completions::Args),
     Man(man::Args),
+    Help(topics::Args),
 }
 
 impl Command {
@@ -162,7 +177,8 @@ impl Command {
             | Self::Slime(_)
             | Self::Unions(_)
             | Self::Completions(_)
-            | Self::Man(_) => false,
+            | Self::Man(_)
+            | Self::Help(_) => false,
         }
     }
 }
@@ -208,20 +224,24 @@ fn main() -> ExitCode {
 /// Parses the command line, and returns it with the name of the command; exits with status 2 if it
 /// is wrong.
 fn parse_command_line() -> (Cli, String) {
-    let mut command = parse::with_negative_numbers(Cli::command());
+    let mut command = program::program();
     let words: Vec<_> = std::env::args_os().collect();
     let mut matches = command.try_get_matches_from_mut(&words).unwrap_or_else(|error| {
         let error = renamed::explained(parse::explained(error, &command), &command, &words);
-        if error.kind() == ErrorKind::DisplayVersion {
-            let [mpi, hdf5] = info::mpi_and_hdf5();
+        // `-V` prints the version only.
+        let is_long = words.iter().any(|word| word == "--version");
+        if error.kind() == ErrorKind::DisplayVersion && is_long {
             // Nobody reads what can't be printed.
-            let _ = writeln!(io::stdout(), "{error}MPI {mpi}\nHDF5 {hdf5}");
+            let _ = io::stdout().write_all(info::long_version().as_bytes());
             std::process::exit(0);
         }
-        error.exit()
+        wrap::wrapped(error).exit()
     });
     if let Some(what) = stdio::refusal(&command, &matches) {
         command.error(ErrorKind::ValueValidation, what).exit();
+    }
+    if let Some(what) = topics::refusal(&command, &matches) {
+        command.error(ErrorKind::InvalidSubcommand, what).exit();
     }
     if let Some(what) = effects::missing(&matches) {
         command.error(ErrorKind::ArgumentConflict, what).exit();
@@ -262,5 +282,6 @@ fn run(command: &Command) -> Result<()> {
         Command::Unions(args) => unions::run(args),
         Command::Completions(args) => completions::run(args),
         Command::Man(args) => man::run(args),
+        Command::Help(args) => topics::run(args),
     }
 }

@@ -4,17 +4,17 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use anyhow::Result;
-use clap::{Command, CommandFactory as _};
+use clap::Command;
 use clap_mangen::Man;
 
-use crate::Cli;
 use crate::common::Force;
 use crate::folder::Folder;
+use crate::program::program;
 use crate::report::status;
 
 /// Write man pages, one for each command.
 ///
-/// Example: `catamaran man -o ~/.local/share/man/man1`, then `man catamaran-ata`.
+/// In a folder that man knows, such as ~/.local/share/man/man1, `man catamaran-ata` finds a page.
 #[derive(clap::Args)]
 pub struct Args {
     /// Folder for the pages.
@@ -26,7 +26,7 @@ pub struct Args {
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
-    let mut command = Cli::command().disable_help_subcommand(true);
+    let mut command = program();
     command.build();
     let mut pages = Vec::new();
     collect(command, &mut pages);

@@ -15,8 +15,9 @@ use crate::parse;
 use crate::progress::Bar;
 use crate::report::{note, status};
 
-/// Compute C = A^T A of the rows of several files or machines from the sums that `ata
-/// --accumulator` writes.
+/// Compute C = A^T A from the sums of parts of the rows (`ata --accumulator`).
+///
+/// The parts may be files, or what several machines read.
 ///
 /// Two files of sums are in memory at a time. The order of the files changes only the rounding of
 /// C, and nothing for exact sums (`ata --reproducible`).

@@ -27,7 +27,7 @@ use crate::{output, parse};
 /// Most rows that are predicted at a time.
 const ROWS: usize = 4096;
 
-/// Predict targets from a table with the coefficients that `lstsq -o FIT.json` wrote.
+/// Predict targets from a table with the coefficients of `lstsq -o FIT.json`.
 ///
 /// The columns of the table are found by the names that the model has for them: those in the header
 /// of a text table, or numbers counted from 0 where there is no header. Other columns are not used.

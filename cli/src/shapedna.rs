@@ -15,8 +15,9 @@ use crate::progress::Bar;
 use crate::report::{head, row, status};
 use crate::shape::LaplacianArgs;
 
-/// Compare triangle meshes by their spectra (ShapeDNA), independently of pose and triangulation.
+/// Compare triangle meshes by their spectra (ShapeDNA).
 ///
+/// The comparison depends neither on the pose nor on the triangulation.
 /// The signature of a mesh is its first eigenvalues. For each mesh the command lists the other
 /// meshes, the nearest first, with the Euclidean distance of the signatures.
 #[derive(clap::Args)]

@@ -14,7 +14,7 @@ use crate::input;
 use crate::report::{is_json, note, status};
 
 /// The heading of these options in help texts.
-const HEADING: &str = "Options of input tables";
+pub const HEADING: &str = "Options of input tables";
 
 /// Names of characters.
 const NAMES: [(&str, char); 9] = [

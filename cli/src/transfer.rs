@@ -54,8 +54,9 @@ const KERNEL_TIME: f64 = 1e-2;
 /// The number of wave kernel signatures that the functional map is fitted to.
 const SIGNATURES: usize = 50;
 
-/// Transfer functions, or the shape itself, from one mesh to another, through orthogonalized
-/// products of eigenfunctions.
+/// Transfer functions, or the shape itself, from one mesh to another.
+///
+/// Functions are written as sums of orthogonalized products of eigenfunctions.
 ///
 /// The correspondence of vertices is given, or computed from a few landmarks or from segments: a
 /// functional map is fitted to these and to wave kernel signatures, and refined; the vertices

@@ -34,7 +34,9 @@ use crate::tables::{MatrixArgs, MatrixFile};
 use crate::{backend, picture};
 pub use unbounded::Unbounded;
 
-/// Compute C = A^T A of a matrix in a file, or A^H A of a complex one; or A^T B of two (--times).
+/// Compute C = A^T A of a matrix in a file, A^H A, or A^T B of two matrices.
+///
+/// Complex matrices have A^H A. --times computes A^T B.
 ///
 /// Reads .npy, .mtx and text tables, each also packed (.gz, .xz, .zst, .zip), from a file or stdin
 /// (-), and HDF5 where it is built in (FILE.h5:/dataset). Sparse .mtx files stay sparse. A .npy or

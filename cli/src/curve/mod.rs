@@ -25,12 +25,12 @@ use crate::picture::{Paint, PictureArgs, with_curves};
 use crate::progress::Bar;
 use crate::report::{note, report, seconds, status};
 
-/// Reconstruct curves on a mesh from unordered samples; cut the mesh along them, or select the
-/// region that they enclose.
+/// Reconstruct curves on a mesh from unordered samples, and cut the mesh along them.
 ///
-/// Prints the outcome: closed, open, blocked, close-blocked or disconnected. If a curve is not
-/// complete, the command writes the part that it found, and fails. Each component of the mesh has
-/// separate curves; samples on a component with fewer than three samples are left out, with a note.
+/// --region writes the region that the curves enclose. Prints the outcome: closed, open, blocked,
+/// close-blocked or disconnected. If a curve is not complete, the command writes the part that it
+/// found, and fails. Each component of the mesh has separate curves; samples on a component with
+/// fewer than three samples are left out, with a note.
 #[derive(clap::Args)]
 #[command(group = ArgGroup::new("result")
     .args(["output", "cut", "region", "rest", "paint"]).required(true).multiple(true))]

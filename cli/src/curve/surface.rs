@@ -25,7 +25,6 @@ pub const OUTSIDE: [f64; 3] = [0.80, 0.84, 0.88];
 
 /// The outputs of the surface.
 #[derive(clap::Args)]
-#[command(next_help_heading = "The surface")]
 pub struct SurfaceArgs {
     /// Write the mesh cut open along the curves: to a mesh, or to a folder (an existing one, or a
     /// name that ends in /), which gets a file for each piece; piece-1 is the largest.

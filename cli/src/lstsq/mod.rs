@@ -22,7 +22,9 @@ use crate::report::note;
 use crate::rows::open;
 use crate::tables::MatrixFile;
 
-/// Solve min |W^(1/2) (A X - B)|^2 + L |X|^2 for tall A (m x n) and B (m x k) in files.
+/// Solve linear least squares, also weighted or with a ridge, for a tall matrix.
+///
+/// Solves min |W^(1/2) (A X - B)|^2 + L |X|^2 for A (m x n) and B (m x k).
 ///
 /// Rows are read twice, block by block (.npy and HDF5 may be larger than memory): once for their
 /// bounds, once for A^T A in extended precision, which gives more digits than a QR decomposition in

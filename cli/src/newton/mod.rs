@@ -39,17 +39,14 @@ const VOXELS: u32 = 128;
 /// The mesh, and the options for meshes only.
 const OF_MESHES: [&str; 5] = ["mesh", "no_fit", "uv", "write_material", "inlay"];
 
-/// Draw a Newton fractal in four dimensions (bicomplex numbers) on a plane, a mesh or a volume.
+/// Draw a Newton fractal of bicomplex numbers on a plane, a mesh or a volume.
 ///
 /// Each point gets the colour of the root that Newton's method takes it to; slow convergence
 /// darkens the colour. Without MESH the plane z = 0 is drawn; with MESH its vertices, or with --uv
 /// the texels of its texture; with --volume voxels. A mesh is first scaled and moved: its bounding
 /// box then has its centre at the origin and a longest side of --extent.
 ///
-/// Examples: `catamaran newton -o plane.png`; `catamaran newton bunny.obj -o bunny.ply`;
-/// `catamaran newton --volume --picture cube.png`; `catamaran newton --volume --basins 4 -o
-/// basin.ply`; `catamaran newton --frames 48 --w-to 1 -o time.apng`. There are more in
-/// docs/guide/newton.md.
+/// There are more examples in docs/guide/newton.md.
 #[derive(clap::Args)]
 pub struct Args {
     #[arg(value_name = "MESH", help = crate::input::mesh_help("The mesh"))]

@@ -44,7 +44,9 @@ pub use view::draw;
 /// Side of the picture of the mesh, in pixels.
 const PIXELS: usize = 900;
 
-/// Grow slime moulds on a surface: textures of networks and cells (thesis, chapter 3).
+/// Grow slime moulds on a surface: textures of networks and cells.
+///
+/// The model is that of chapter 3 of the thesis.
 ///
 /// The folder gets the texture at each frame (--every): up to three species are the channels of one
 /// .png, and more species have one .png each. It also gets coverage.csv, and mesh.obj, the mesh

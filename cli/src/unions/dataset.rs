@@ -16,7 +16,7 @@ use crate::output;
 use crate::progress::Bar;
 use crate::report::{report, seconds, status};
 
-/// Generate shapes, cut parts out of them, and write the spectra of parts and of their unions.
+/// Generate shapes and parts of them, and write the spectra of parts and unions.
 ///
 /// The data set has humanoids and creatures of random bones to train on, and other humanoids and
 /// three more families to test with; see docs/algorithms/unions.md. Finished shapes stay in the

@@ -13,8 +13,7 @@ use crate::output;
 use crate::picture::{Paint, PictureArgs};
 use crate::report::row;
 
-/// Interpolate between the spectra of two parts, and predict the union of each interpolated
-/// spectrum with a third part.
+/// Interpolate between the spectra of two parts, and predict unions with a third.
 ///
 /// With --localize this is figure 2.10 of the thesis: the region of the union on a template while
 /// one part turns into another. An interpolated spectrum may not be that of any surface; the

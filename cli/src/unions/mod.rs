@@ -13,7 +13,7 @@ mod tune;
 use anyhow::Result;
 use clap::Subcommand;
 
-/// Predict spectral unions of partial shapes, and train the network that predicts them.
+/// Predict the spectra of unions of partial shapes, and train the network for them.
 #[derive(clap::Args)]
 pub struct Args {
     #[command(subcommand)]

@@ -13,7 +13,7 @@ use crate::output;
 use crate::picture::{PLAIN, Paint, PictureArgs};
 use crate::report::{head, row};
 
-/// Predict the spectrum of the union of parts of a surface from the spectra of the parts.
+/// Predict the spectrum of the union of parts of a surface from those of the parts.
 ///
 /// The parts are meshes with boundary or point clouds (files without faces), in any pose and
 /// position, of any connectivity; correspondences of their points are not needed. Prints 20

@@ -12,7 +12,7 @@ use crate::common::Force;
 use crate::output;
 use crate::report::status;
 
-/// Write the template on which `unions predict --localize` finds unions: a human at rest.
+/// Write the template of `unions predict --localize`: a human at rest.
 #[derive(clap::Args)]
 pub struct Args {
     #[arg(

@@ -1,6 +1,7 @@
 //! `catamaran demo` and `catamaran info`, from outside.
 
 use std::fs;
+use std::process::Command;
 
 use catamaran::kernel::{int8, packed};
 
@@ -30,15 +31,34 @@ fn info_names_version_cpu_libraries_back_ends_and_instances() {
 }
 
 #[test]
-fn the_version_names_mpi_and_hdf5_as_info_does() {
-    let text = Folder::new().succeed("--version");
-    let (first, libraries) = text.split_once('\n').unwrap();
-    assert_eq!(first, concat!("catamaran ", env!("CARGO_PKG_VERSION")));
-    let info = Folder::new().succeed("info");
-    let libraries: Vec<_> = libraries.lines().map(|line| line.split_once(' ').unwrap()).collect();
-    assert_eq!(libraries.iter().map(|(label, _)| *label).collect::<Vec<_>>(), ["MPI", "HDF5"]);
-    for (label, library) in libraries {
-        assert_eq!(block(&info, label), [library]);
+fn the_long_version_says_how_the_program_is_built_as_info_does() {
+    let folder = Folder::new();
+    let version = concat!("catamaran ", env!("CARGO_PKG_VERSION"), "\n");
+    assert_eq!(folder.succeed("-V"), version);
+    let long = folder.succeed("--version");
+    let lines = long.strip_prefix(version).unwrap();
+    let labels: Vec<_> = lines.lines().map(|line| line[..14].trim_end()).collect();
+    assert_eq!(labels, ["commit", "features", "MPI", "HDF5"]);
+    let info = folder.succeed("info");
+    assert!(info.contains(&format!("\n{lines}")), "{info}");
+    let has = |feature: &str| block(&long, "features")[0].split(' ').any(|name| name == feature);
+    assert_eq!(has("mpi"), cfg!(feature = "mpi"), "{long}");
+    assert_eq!(has("columnar"), cfg!(feature = "columnar"), "{long}");
+}
+
+#[test]
+fn the_commit_is_that_of_the_repository() {
+    let mut git = Command::new("git");
+    git.args(["rev-parse", "--show-prefix", "HEAD"]).current_dir(env!("CARGO_MANIFEST_DIR"));
+    let text = git.output().map(|output| String::from_utf8_lossy(&output.stdout).into_owned());
+    let version = Folder::new().succeed("--version");
+    let commit = block(&version, "commit")[0];
+    match text.unwrap_or_default().split_once('\n') {
+        Some(("cli/", head)) => {
+            assert_eq!(commit.len(), 12, "{version}");
+            assert!(head.starts_with(commit), "{version}");
+        }
+        _ => assert_eq!(commit, "unknown"),
     }
 }
 

@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::common::Folder;
+use crate::common::{Folder, subcommands};
 
 /// The repository.
 fn root() -> PathBuf {
@@ -38,7 +38,8 @@ impl Help {
         while let Some(command) = open.pop() {
             let text = help.folder.succeed(&format!("{command} --help"));
             let options = text.split_whitespace().filter_map(option).map(str::to_owned).collect();
-            open.extend(subcommands(&text).map(|name| format!("{command} {name}").trim().into()));
+            let below = subcommands(&text).into_iter();
+            open.extend(below.map(|name| format!("{command} {name}").trim().into()));
             help.options.insert(command, options);
         }
         help
@@ -53,15 +54,6 @@ impl Help {
     fn has_option(&self, option: &str) -> bool {
         self.options.values().any(|options| options.contains(option))
     }
-}
-
-/// Names of the subcommands that a help lists.
-fn subcommands(help: &str) -> impl Iterator<Item = &str> {
-    let list = help.split_once("\nCommands:\n").map_or("", |(_, rest)| rest);
-    let lines = list.lines().take_while(|line| !line.is_empty());
-    // Lines that go on with a sentence are indented further.
-    let names = lines.filter_map(|line| line.strip_prefix("  ")).filter(|l| !l.starts_with(' '));
-    names.filter_map(|line| line.split_whitespace().next()).filter(|name| *name != "help")
 }
 
 /// The long option that a word begins with.
@@ -127,6 +119,7 @@ fn commands_and_options_that_documents_name_exist() {
         .map(|name| root().join(name))
         .to_vec();
     files(&root().join("docs"), &["md"], &mut documents);
+    files(&root().join("cli/src/topics"), &["md"], &mut documents);
     let mut missing = vec![];
     for document in documents {
         let mut note = |what: &str| missing.push(format!("{}: {what}", document.display()));

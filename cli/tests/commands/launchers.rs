@@ -119,6 +119,7 @@ fn commands_that_share_no_work_refuse_by_their_name() {
     assert!(help.contains("share the work of ata, lstsq, pca, svd and spectrum"), "{help}");
     for command in shared {
         let help = folder.succeed(&format!("{command} --help"));
-        assert!(help.contains("Under `mpirun`"), "{command}: {help}");
+        let words: Vec<&str> = help.split_whitespace().collect();
+        assert!(words.join(" ").contains("Under `mpirun`"), "{command}: {help}");
     }
 }

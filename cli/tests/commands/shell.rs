@@ -3,7 +3,7 @@
 use std::io::Write as _;
 use std::process::Stdio;
 
-use crate::common::{Folder, Run};
+use crate::common::{Folder, Run, subcommands};
 use crate::lines::LINES;
 
 #[test]
@@ -18,6 +18,47 @@ fn completions_of_every_shell_name_commands_and_options() {
 }
 
 #[test]
+fn lines_of_help_have_at_most_100_columns() {
+    let folder = Folder::new();
+    let mut open = vec![String::new()];
+    let mut count = 0;
+    while let Some(command) = open.pop() {
+        let helps = ["-h", "--help"].map(|flag| folder.succeed(&format!("{command} {flag}")));
+        for line in helps.iter().flat_map(|help| help.lines()) {
+            assert!(line.chars().count() <= 100, "{command}: {line}");
+        }
+        let below = subcommands(&helps[1]).into_iter();
+        open.extend(below.map(|name| format!("{command} {name}").trim().into()));
+        count += 1;
+    }
+    assert!(count > 30, "{count}");
+    // Without arguments the program prints its help, too.
+    let run = folder.run("");
+    assert_eq!(run.code, Some(2), "{}", run.stdout);
+    assert_eq!(run.stderr, folder.succeed("--help"));
+}
+
+#[test]
+fn help_prints_what_the_option_prints_and_pages_about_topics() {
+    let folder = Folder::new();
+    for command in ["", "ata", "unions", "unions predict", "help"] {
+        let help = folder.succeed(&format!("help {command}"));
+        assert_eq!(help, folder.succeed(&format!("{command} --help")), "{command}");
+    }
+    let topics = folder.succeed("help topics");
+    let names: Vec<&str> = topics.lines().filter_map(|line| line.split(' ').next()).collect();
+    assert_eq!(names, ["files", "memory", "ranks", "exit-codes", "reproducibility"]);
+    for (name, line) in names.iter().zip(topics.lines()) {
+        let page = folder.succeed(&format!("help {name}"));
+        let title = page.lines().next().unwrap().strip_prefix("# ").unwrap();
+        assert!(line.ends_with(&format!("  {title}")), "{line}: {title}");
+    }
+    let run = folder.run("help spectrun");
+    assert_eq!(run.code, Some(2), "{}", run.stdout);
+    assert!(run.stderr.contains("`spectrun` is neither a command nor a topic"), "{}", run.stderr);
+}
+
+#[test]
 fn there_is_a_man_page_for_every_command() {
     let folder = Folder::new();
     folder.succeed("man -o man");
@@ -26,7 +67,7 @@ fn there_is_a_man_page_for_every_command() {
         let count = if words[0] == "unions" { 2 } else { 1 };
         let name = format!("man/catamaran-{}.1", words[..count].join("-"));
         let page = std::fs::read_to_string(folder.path(&name)).expect(&name);
-        assert!(page.contains(".SH OPTIONS"), "{name}");
+        assert!(page.contains(".SH OPTIONS") && page.contains("Examples:"), "{name}");
     }
     let page = std::fs::read_to_string(folder.path("man/catamaran.1")).unwrap();
     assert!(page.contains("Exit codes"), "{page}");

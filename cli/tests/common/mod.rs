@@ -33,6 +33,17 @@ pub fn calls(document: &str) -> Vec<&str> {
     calls
 }
 
+/// The commands that a help text lists: in sections, or below `Commands:`.
+#[allow(dead_code)]
+pub fn subcommands(help: &str) -> Vec<String> {
+    let (_, rest) = help.split_once("Usage: ").expect("a help text");
+    let lines = rest.lines().take_while(|line| !line.trim_start().starts_with('-'));
+    // Lines that go on with a sentence are indented further, and arguments begin with a bracket.
+    let names = lines.filter_map(|line| line.strip_prefix("  ")?.split(' ').next());
+    let names = names.filter(|name| name.starts_with(|c: char| c.is_ascii_lowercase()));
+    names.map(str::to_owned).collect()
+}
+
 /// What a run said and returned.
 pub struct Run {
     pub code: Option<i32>,

@@ -10,7 +10,7 @@ use std::sync::OnceLock;
 use catamaran::io::{Output, Overwrite};
 use catamaran_geometry::mesh::{TriMesh, families, io};
 
-use crate::common::{Folder, csv, table};
+use crate::common::{Folder, csv, subcommands, table};
 
 /// One or more lines for each command: every kind of output, and every kind of input.
 ///
@@ -73,6 +73,7 @@ pub const LINES: &[&str] = &[
     "unions shape left.off --spectrum values.csv --tolerance 10 -o out.ply",
     "completions bash",
     "man -o man",
+    "help topics",
 ];
 
 /// Their results differ from run to run: they measure time.
@@ -249,22 +250,13 @@ fn mask(path: &Path) {
     encoder.write_header().unwrap().write_image_data(&pixels).unwrap();
 }
 
-/// The commands that a help text lists.
-fn listed(help: &str) -> Vec<String> {
-    let lines = help.lines().skip_while(|line| *line != "Commands:").skip(1);
-    let named = lines.take_while(|line| line.starts_with("  "));
-    let names = named.filter(|line| !line.starts_with("   "));
-    let names = names.map(|line| line.split_whitespace().next().unwrap().to_owned());
-    names.filter(|name| name != "help").collect()
-}
-
 #[test]
 fn every_command_has_a_line() {
     let folder = Folder::new();
     let tested: BTreeSet<String> = LINES.iter().map(|line| command_of(line)).collect();
     let mut found = BTreeSet::new();
-    for name in listed(&folder.succeed("--help")) {
-        let parts = listed(&folder.succeed(&format!("{name} --help")));
+    for name in subcommands(&folder.succeed("--help")) {
+        let parts = subcommands(&folder.succeed(&format!("{name} --help")));
         match parts.as_slice() {
             [] => drop(found.insert(name)),
             parts => found.extend(parts.iter().map(|part| format!("{name} {part}"))),

@@ -6,6 +6,7 @@ use std::process::Command;
 
 use super::Defaults;
 use super::library::split;
+use crate::common::subcommands;
 
 /// Parameters of every call.
 const COMMON: [&str; 6] = ["threads", "progress", "progress_user", "comm", "struct_size", "self"];
@@ -167,12 +168,10 @@ fn inside(text: &str) -> &str {
 fn help(command: &[&str], found: &mut Defaults) {
     let run = Command::new(env!("CARGO_BIN_EXE_catamaran")).args(command).arg("--help").output();
     let text = String::from_utf8(run.expect("the program starts").stdout).expect("UTF-8");
-    if let Some((_, listed)) = text.split_once("\nCommands:\n") {
-        let lines = listed.lines().take_while(|line| !line.is_empty());
-        let names = lines.filter_map(|line| line.strip_prefix("  ")?.split(' ').next());
-        // A description that goes on is indented further.
-        for name in names.filter(|&name| !name.is_empty() && name != "help") {
-            help(&[command, &[name]].concat(), found);
+    let below = subcommands(&text);
+    if !below.is_empty() {
+        for name in below {
+            help(&[command, &[&*name]].concat(), found);
         }
         return;
     }
