@@ -222,7 +222,7 @@ fn read_source(source: &mut Source<'_>, format: MeshFormat, path: &Path) -> Resu
         if text::ends_in_returns(&bytes) {
             text::returns_to_feeds(&mut bytes);
         }
-        return read_lines(&mut Source::of_bytes(path, &bytes), format, path);
+        return read_lines(&mut source.rewritten(&bytes), format, path);
     }
     read_lines(source, format, path)
 }
