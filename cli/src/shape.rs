@@ -10,7 +10,7 @@ use catamaran::io::{self as files, Matrix};
 use catamaran::sparse::{CsMat, EigenOptions, eigs};
 use catamaran_geometry::mesh::io::{MeshFile, holds_scalars, read_scalars};
 use catamaran_geometry::mesh::{
-    Boundary, Laplacian, LaplacianKind, LaplacianOptions, TriMesh, laplacian,
+    Boundary, Laplacian, LaplacianKind, LaplacianOptions, MassKind, TriMesh, laplacian,
 };
 use catamaran_geometry::spectral::{Eigenbasis, Eigenproducts, Orthogonalization, ProductBasis};
 use clap::ValueEnum;
@@ -58,6 +58,36 @@ impl From<Kind> for LaplacianKind {
             Kind::Cotan => Self::Cotangent,
             Kind::Intrinsic => Self::IntrinsicDelaunay,
             Kind::Tufted => Self::Tufted,
+        }
+    }
+}
+
+/// The option of the mass matrix.
+#[derive(clap::Args)]
+pub struct MassArgs {
+    /// Mass matrix: a diagonal (lumped), or the inner product of linear functions (full).
+    #[arg(value_enum, long, default_value_t = variant(LaplacianOptions::default().mass))]
+    mass: Mass,
+}
+
+impl MassArgs {
+    pub fn kind(&self) -> MassKind {
+        self.mass.into()
+    }
+}
+
+/// The mass matrix.
+#[derive(Clone, Copy, ValueEnum)]
+enum Mass {
+    Lumped,
+    Full,
+}
+
+impl From<Mass> for MassKind {
+    fn from(mass: Mass) -> Self {
+        match mass {
+            Mass::Lumped => Self::Barycentric,
+            Mass::Full => Self::Consistent,
         }
     }
 }
