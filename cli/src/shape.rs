@@ -17,7 +17,7 @@ use clap::ValueEnum;
 
 use crate::common::{Threads, as_option};
 use crate::defaults::variant;
-use crate::input::MeshArgs;
+use crate::input::{self, MeshArgs};
 use crate::pieces::{COMPACT, Need, Pieces};
 use crate::progress::Bar;
 use crate::report::status;
@@ -225,7 +225,7 @@ impl Prepared<'_> {
 pub fn functions(path: &Path, rows: usize, table: &TableArgs) -> Result<Mat<f64>> {
     let matrix = match holds_scalars(path) {
         true => {
-            let columns = read_scalars(path)?;
+            let columns = read_scalars(path, &input::source())?;
             let count = columns.first().map_or(0, |column| column.values.len());
             if let Some(other) = columns.iter().find(|column| column.values.len() != count) {
                 let (path, name, length) = (path.display(), &other.name, other.values.len());

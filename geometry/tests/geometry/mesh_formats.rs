@@ -3,15 +3,17 @@
 
 use std::fs;
 use std::io::Write;
+use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use catamaran::Result;
+use catamaran::io::SourceOptions;
 use catamaran_geometry::decimate::{DecimateOptions, decimate};
 use catamaran_geometry::mesh::io::{
-    Attribute, MeshFile, MeshFormat, Scalars, VtkEncoding, read, read_bytes, read_scalars, write,
-    write_bytes,
+    Attribute, MeshFile, MeshFormat, Scalars, VtkEncoding, read, read_bytes, write, write_bytes,
 };
-use catamaran_geometry::mesh::{Refined, TriMesh, families};
+use catamaran_geometry::mesh::{Refined, TriMesh, families, io};
 use flate2::Compression;
 use flate2::write::{GzEncoder, ZlibEncoder};
 use zip::write::SimpleFileOptions;
@@ -59,6 +61,10 @@ fn is_cube(bytes: &[u8], format: MeshFormat, what: &str) -> MeshFile {
     let (area, volume) = (file.mesh.area(), file.mesh.volume());
     assert!((area - 6.0).abs() < 1e-12 && (volume - 1.0).abs() < 1e-12, "{what}: {area}, {volume}");
     file
+}
+
+fn read_scalars(path: &Path) -> Result<Vec<Scalars>> {
+    io::read_scalars(path, &SourceOptions::new())
 }
 
 fn refused(bytes: &[u8], format: MeshFormat) -> String {
@@ -163,6 +169,7 @@ fn errors_in_vtk_name_the_line_and_the_culprit() {
     let head = "# vtk DataFile Version 3.0\n\nASCII\n";
     let points = "DATASET POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\n";
     let wide = format!("{points}POINT_DATA 3\nSCALARS s float 5000\n{}", "0 ".repeat(15_000));
+    let twice = format!("{points}POINTS 1 float\n9 9 9\n");
     let lists = |text: &str| format!("{points}POLYGONS {text}\n");
     let offsets = |text: &str| {
         let vertices = "CONNECTIVITY vtktypeint64\n0 1 2 0 1 2";
@@ -180,6 +187,9 @@ fn errors_in_vtk_name_the_line_and_the_culprit() {
         ("DATASET POLYDATA\nPOINTS 1 float\n0 0 0\nPOLYGONS 1 4\n3 0 1 2\n", "vertex 1 is out"),
         ("DATASET POLYDATA\nPOINTS 1 float\n0 0 0\nPOLYGONS 1 4\n5 0 0 0\n", "cell 0 of 1"),
         ("DATASET UNSTRUCTURED_GRID\nCELLS 1 2\n1 0\n", "CELLS without CELL_TYPES"),
+        // Vertices and cells of a second dataset.
+        (&twice[..], "\"POINTS 1 float\" is out of place"),
+        ("DATASET UNSTRUCTURED_GRID\nCELLS 1 2\n1 0\nCELLS 1 2\n1 0\n", "\"CELLS 1 2\" is out"),
         ("POINTS\n", "mesh.vtk:4: \"POINTS\" lacks a word"),
         ("NONSENSE 1\n", "\"NONSENSE 1\" is out of place"),
     ] {
@@ -588,6 +598,9 @@ fn values_and_labels_of_freesurfer_are_read() {
     bytes[0] = 0x7f;
     fs::write(&path, &bytes).unwrap();
     assert!(read_scalars(&path).unwrap_err().to_string().contains("truncated"));
+    let within = SourceOptions::new().max_memory(8);
+    let found = io::read_scalars(&longer, &within).unwrap_err().to_string();
+    assert!(found.contains("this file may take 8"), "{found}");
 }
 
 /// Numbers as Gmsh writes them, as text or binary.
