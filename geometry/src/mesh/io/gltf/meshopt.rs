@@ -72,7 +72,7 @@ impl<'a> Stream<'a> {
 
     /// Takes a number whose bytes have seven bits each, the lowest first.
     fn number(&mut self) -> Checked<u32> {
-        let mut value = 0;
+        let mut value = 0u32;
         for shift in (0..32).step_by(7) {
             let byte = self.byte()?;
             value |= u32::from(byte & 0x7f) << shift;
@@ -99,7 +99,7 @@ fn attributes(data: &[u8], count: usize, stride: usize) -> Checked<Vec<u8>> {
     let (mut stream, tail) = Stream::open(data, 0xa0, stride.max(TAIL))?;
     let mut last = tail[tail.len() - stride..].to_vec();
     let most = ((BLOCK / stride) & !(GROUP - 1)).min(256);
-    let mut bytes = Vec::new();
+    let mut bytes: Vec<u8> = Vec::new();
     let mut left = count;
     while left > 0 {
         let elements = left.min(most);
