@@ -10,14 +10,14 @@ use catamaran::io::{self as files, Matrix};
 use catamaran::sparse::{CsMat, EigenOptions, eigs};
 use catamaran_geometry::mesh::io::{MeshFile, holds_scalars, read_scalars};
 use catamaran_geometry::mesh::{
-    Boundary, Laplacian, LaplacianKind, LaplacianOptions, TriMesh, laplacian,
+    Boundary, Laplacian, LaplacianKind, LaplacianOptions, MassKind, TriMesh, laplacian,
 };
 use catamaran_geometry::spectral::{Eigenbasis, Eigenproducts, Orthogonalization, ProductBasis};
 use clap::ValueEnum;
 
 use crate::common::{Threads, as_option};
 use crate::defaults::variant;
-use crate::input::MeshArgs;
+use crate::input::{self, MeshArgs};
 use crate::pieces::{COMPACT, Need, Pieces};
 use crate::progress::Bar;
 use crate::report::status;
@@ -58,6 +58,36 @@ impl From<Kind> for LaplacianKind {
             Kind::Cotan => Self::Cotangent,
             Kind::Intrinsic => Self::IntrinsicDelaunay,
             Kind::Tufted => Self::Tufted,
+        }
+    }
+}
+
+/// The option of the mass matrix.
+#[derive(clap::Args)]
+pub struct MassArgs {
+    /// Mass matrix: a diagonal (lumped), or the inner product of linear functions (full).
+    #[arg(value_enum, long, default_value_t = variant(LaplacianOptions::default().mass))]
+    mass: Mass,
+}
+
+impl MassArgs {
+    pub fn kind(&self) -> MassKind {
+        self.mass.into()
+    }
+}
+
+/// The mass matrix.
+#[derive(Clone, Copy, ValueEnum)]
+enum Mass {
+    Lumped,
+    Full,
+}
+
+impl From<Mass> for MassKind {
+    fn from(mass: Mass) -> Self {
+        match mass {
+            Mass::Lumped => Self::Barycentric,
+            Mass::Full => Self::Consistent,
         }
     }
 }
@@ -195,7 +225,7 @@ impl Prepared<'_> {
 pub fn functions(path: &Path, rows: usize, table: &TableArgs) -> Result<Mat<f64>> {
     let matrix = match holds_scalars(path) {
         true => {
-            let columns = read_scalars(path)?;
+            let columns = read_scalars(path, &input::source())?;
             let count = columns.first().map_or(0, |column| column.values.len());
             if let Some(other) = columns.iter().find(|column| column.values.len() != count) {
                 let (path, name, length) = (path.display(), &other.name, other.values.len());

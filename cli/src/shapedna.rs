@@ -13,7 +13,7 @@ use crate::input;
 use crate::pieces::Pieces;
 use crate::progress::Bar;
 use crate::report::{head, row, status};
-use crate::shape::LaplacianArgs;
+use crate::shape::{LaplacianArgs, MassArgs};
 
 /// Compare triangle meshes by their spectra (ShapeDNA).
 ///
@@ -41,6 +41,8 @@ pub struct Args {
     #[arg(long)]
     dirichlet: bool,
     #[command(flatten)]
+    mass: MassArgs,
+    #[command(flatten)]
     laplacian: LaplacianArgs,
     /// Write the signatures, a row for each mesh (that of the query first): .npy, .csv, .tsv, .txt
     /// or .mtx, and .gz after it.
@@ -64,7 +66,11 @@ pub fn run(args: &Args) -> Result<()> {
     let names: Vec<&Path> = args.query.iter().chain(&args.inputs).map(PathBuf::as_path).collect();
     let boundary = if args.dirichlet { Boundary::Dirichlet } else { Boundary::Neumann };
     let par = args.laplacian.par();
-    let laplacian = LaplacianOptions::new().kind(args.laplacian.kind()).boundary(boundary).par(par);
+    let laplacian = LaplacianOptions::new()
+        .kind(args.laplacian.kind())
+        .mass(args.mass.kind())
+        .boundary(boundary)
+        .par(par);
     let options = ShapeDnaOptions::new().k(args.k).normalized(!args.sized).laplacian(laplacian);
     let bar = Bar::new("shapes");
     let mut found = Vec::with_capacity(names.len());

@@ -21,7 +21,7 @@ use crate::progress::Bar;
 use crate::ranks::Ranks;
 use crate::report::{head, note, report, row, seconds, shown, status};
 use crate::rows::fingerprint;
-use crate::shape::LaplacianArgs;
+use crate::shape::{LaplacianArgs, MassArgs};
 use crate::{output, parse};
 
 /// Compute eigenvalues and eigenfunctions of the Laplacian of a triangle mesh.
@@ -56,9 +56,8 @@ pub struct Args {
     shift: Option<f64>,
     #[command(flatten)]
     laplacian: LaplacianArgs,
-    /// Mass matrix: a diagonal (lumped), or the inner product of linear functions (full).
-    #[arg(value_enum, long, default_value_t = variant(LaplacianOptions::default().mass))]
-    mass: Mass,
+    #[command(flatten)]
+    mass: MassArgs,
     /// Condition at the boundary: the normal derivative is zero (neumann), or the function is zero
     /// (dirichlet).
     #[arg(value_enum, long, default_value_t = variant(LaplacianOptions::default().boundary))]
@@ -110,26 +109,10 @@ pub struct Args {
     force: Force,
 }
 
-/// The mass matrix.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Mass {
-    Lumped,
-    Full,
-}
-
 /// Parses a tolerance that the eigensolver accepts.
 fn tolerance(text: &str) -> Result<f64, String> {
     let accepted = parse::finite(text).ok().filter(|x| (1e-14..=1e-2).contains(x));
     accepted.ok_or_else(|| "expected a number from 1e-14 to 1e-2".into())
-}
-
-impl From<Mass> for MassKind {
-    fn from(mass: Mass) -> Self {
-        match mass {
-            Mass::Lumped => Self::Barycentric,
-            Mass::Full => Self::Consistent,
-        }
-    }
 }
 
 /// The condition at the boundary.
@@ -176,7 +159,7 @@ impl Args {
     fn laplacian_options(&self) -> LaplacianOptions {
         LaplacianOptions::new()
             .kind(self.laplacian.kind())
-            .mass(self.mass.into())
+            .mass(self.mass.kind())
             .boundary(self.boundary.into())
             .par(self.laplacian.par())
     }
@@ -338,7 +321,7 @@ fn assemble(args: &Args) -> Result<(TriMesh, Laplacian)> {
 /// An option that needs faces.
 fn cloud(args: &Args, mesh: &TriMesh) -> Result<Laplacian> {
     let name = args.input.display();
-    if args.via_decimation.is_some() || matches!(args.mass, Mass::Full) {
+    if args.via_decimation.is_some() || args.mass.kind() == MassKind::Consistent {
         bail!("{name}: has no faces, which --via-decimation and --mass full need");
     }
     let options = CloudOptions::new().boundary(args.boundary.into()).par(args.laplacian.par());

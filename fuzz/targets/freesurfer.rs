@@ -9,6 +9,6 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     if let Ok(file) = read_with(&file("a.white", bytes), &source_options()) {
         std::hint::black_box(file.mesh.validate());
     }
-    std::hint::black_box(read_scalars(&file("a.curv", bytes)).ok());
-    std::hint::black_box(read_scalars(&file("a.annot", bytes)).ok());
+    std::hint::black_box(read_scalars(&file("a.curv", bytes), &source_options()).ok());
+    std::hint::black_box(read_scalars(&file("a.annot", bytes), &source_options()).ok());
 });

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use catamaran::io::{Output, Overwrite};
+use catamaran::io::{Output, Overwrite, SourceOptions};
 use catamaran_geometry::mesh::io::{
     Attribute, GltfEncoding, MeshFile, MeshFormat, PlyEncoding, Scalars, StlEncoding, VtkEncoding,
     read, read_bytes, read_scalars as read_values, write_as, write_bytes,
@@ -49,7 +49,8 @@ pub fn mesh_from_bytes<'py>(
 #[pyfunction]
 #[pyo3(signature = (path))]
 pub fn read_scalars(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
-    by_name(py, run(py, Length::Long, None, move |_| read_values(&path))?)
+    let scalars = run(py, Length::Long, None, move |_| read_values(&path, &SourceOptions::new()))?;
+    by_name(py, scalars)
 }
 
 fn by_name(py: Python<'_>, scalars: Vec<Scalars>) -> PyResult<Bound<'_, PyDict>> {

@@ -1,5 +1,7 @@
 """Files of simulation, imaging and printing, from and to other programs."""
 
+import zipfile
+
 import numpy as np
 import pytest
 
@@ -7,29 +9,58 @@ import catamaran
 from catamaran import shapes
 
 
+def surface(precision=float):
+    """Vertices that have this precision, and faces."""
+    v, f = shapes.torus(12, 8)
+    return v.astype(precision).astype(float), f
+
+
+def same(path, v, f, scalars=None, digits=0.0):
+    """Read a mesh, which must be this one up to `digits`, without a note."""
+    again, faces, more = catamaran.read_mesh(path, attributes=True)
+    assert np.allclose(again, v, rtol=0, atol=digits) and np.array_equal(faces, f)
+    found = more.get("scalars", {})
+    assert list(found) == list(scalars or {})
+    for name, values in (scalars or {}).items():
+        assert np.allclose(found[name], values, rtol=0, atol=digits), name
+    assert more["notes"] == []
+
+
 @pytest.mark.parametrize(
-    "name, options",
+    "name, precision, options",
     [
-        ("a.vtk", {"file_format": "vtk51"}),
-        ("a.vtk", {"file_format": "vtk42"}),
-        ("a.vtk", {"file_format": "vtk42", "binary": False}),
-        ("a.vtu", {"compression": None}),
-        ("a.vtu", {"compression": "zlib"}),
-        ("a.vtu", {"binary": False}),
-        ("a.msh", {"file_format": "gmsh22"}),
-        ("a.msh", {"file_format": "gmsh"}),
+        ("a.vtk", np.float64, {"file_format": "vtk51"}),
+        ("a.vtk", np.float32, {"file_format": "vtk51"}),
+        ("a.vtk", np.float64, {"file_format": "vtk51", "binary": False}),
+        ("a.vtk", np.float64, {"file_format": "vtk42"}),
+        ("a.vtk", np.float32, {"file_format": "vtk42"}),
+        ("a.vtk", np.float64, {"file_format": "vtk42", "binary": False}),
+        ("a.vtu", np.float64, {"compression": None}),
+        ("a.vtu", np.float32, {"compression": None, "header_type": "UInt64"}),
+        ("a.vtu", np.float64, {"compression": "zlib"}),
+        ("a.vtu", np.float32, {"compression": "zlib", "header_type": "UInt64"}),
+        ("a.vtu", np.float64, {"binary": False}),
+        ("a.msh", np.float64, {"file_format": "gmsh22"}),
+        ("a.msh", np.float64, {"file_format": "gmsh22", "binary": False}),
+        ("a.msh", np.float32, {"file_format": "gmsh22"}),
+        ("a.msh", np.float64, {"file_format": "gmsh"}),
+        ("a.msh", np.float64, {"file_format": "gmsh", "binary": False}),
     ],
 )
-def test_what_meshio_writes_is_read(tmp_path, name, options):
+def test_what_meshio_writes_is_read(tmp_path, name, precision, options):
     meshio = pytest.importorskip("meshio")
-    v, f = shapes.torus(12, 8)
-    heat = np.linspace(0, 1, len(v))
-    mesh = meshio.Mesh(v, [("triangle", f)], point_data={"heat": heat})
+    v, f = surface(precision)
+    is_gmsh = name == "a.msh"
+    # Gmsh has one type of values.
+    number = np.arange(len(v), dtype=float if is_gmsh else np.int32)
+    values = {"heat": np.linspace(0, 1, len(v)), "number": number}
+    if is_gmsh and not options.get("binary", True):
+        # meshio 5.3.5 writes values as "np.float64(0.5)" there, with numpy 2.
+        values = {}
+    mesh = meshio.Mesh(v.astype(precision), [("triangle", f)], point_data=values)
     mesh.write(tmp_path / name, **options)
-    again, faces, more = catamaran.read_mesh(tmp_path / name, attributes=True)
     # Text has 12 digits.
-    assert np.allclose(again, v, rtol=0, atol=1e-10) and np.array_equal(faces, f)
-    assert np.allclose(more["scalars"]["heat"], heat, rtol=0, atol=1e-10)
+    same(tmp_path / name, v, f, values, 1e-10)
 
 
 def test_lines_are_left_out_with_a_warning(tmp_path):
@@ -44,32 +75,52 @@ def test_lines_are_left_out_with_a_warning(tmp_path):
         assert np.array_equal(v, points) and len(f) == 3
 
 
-def test_nibabel_reads_gifti_and_writes_it(tmp_path):
-    nibabel = pytest.importorskip("nibabel")
-    v, f = shapes.icosphere(2)
-    v = v.astype(np.float32).astype(float)
-    catamaran.write_mesh(tmp_path / "a.gii", v, f)
-    theirs = nibabel.load(tmp_path / "a.gii")
-    assert np.array_equal(theirs.agg_data("pointset"), v)
-    assert np.array_equal(theirs.agg_data("triangle"), f)
-    nibabel.save(theirs, tmp_path / "b.gii")
-    again, faces = catamaran.read_mesh(tmp_path / "b.gii")
-    assert np.array_equal(again, v) and np.array_equal(faces, f)
-    nibabel.freesurfer.write_geometry(tmp_path / "lh.white", v, f)
-    again, faces = catamaran.read_mesh(tmp_path / "lh.white")
-    assert np.array_equal(again, v) and np.array_equal(faces, f)
-    nibabel.freesurfer.write_morph_data(tmp_path / "lh.thickness", v[:, 0], len(f))
-    values = catamaran.read_scalars(tmp_path / "lh.thickness")
-    assert list(values) == ["thickness"] and np.array_equal(values["thickness"], v[:, 0])
-    with pytest.raises(OSError, match="no values of vertices"):
-        catamaran.read_scalars(tmp_path / "a.gii")
+@pytest.mark.parametrize(
+    "mode, packed, word, is_big",
+    [
+        ("Ascii", False, 32, False),
+        ("Binary", False, 32, True),
+        ("Binary", True, 64, False),
+        ("Appended", False, 64, False),
+        ("Appended", True, 32, True),
+    ],
+)
+@pytest.mark.parametrize("ending", ["vtp", "vtu"])
+def test_what_vtk_writes_is_read(tmp_path, ending, mode, packed, word, is_big):
+    vtk = pytest.importorskip("vtk")
+    support = pytest.importorskip("vtk.util.numpy_support")
+    v, f = surface()
+    heat = np.linspace(0, 1, len(v))
+    points, cells = vtk.vtkPoints(), vtk.vtkCellArray()
+    points.SetData(support.numpy_to_vtk(v, deep=True))
+    ends = support.numpy_to_vtkIdTypeArray(np.arange(0, 3 * len(f) + 1, 3), deep=True)
+    corners = support.numpy_to_vtkIdTypeArray(f.astype(np.int64).ravel(), deep=True)
+    cells.SetData(ends, corners)
+    if ending == "vtp":
+        data, writer = vtk.vtkPolyData(), vtk.vtkXMLPolyDataWriter()
+        data.SetPolys(cells)
+    else:
+        data, writer = vtk.vtkUnstructuredGrid(), vtk.vtkXMLUnstructuredGridWriter()
+        data.SetCells(vtk.VTK_TRIANGLE, cells)
+    data.SetPoints(points)
+    values = support.numpy_to_vtk(heat, deep=True)
+    values.SetName("heat")
+    data.GetPointData().AddArray(values)
+    writer.SetFileName(str(tmp_path / f"a.{ending}"))
+    writer.SetInputData(data)
+    getattr(writer, f"SetDataModeTo{mode}")()
+    (writer.SetCompressorTypeToZLib if packed else writer.SetCompressorTypeToNone)()
+    getattr(writer, f"SetHeaderTypeToUInt{word}")()
+    (writer.SetByteOrderToBigEndian if is_big else writer.SetByteOrderToLittleEndian)()
+    assert writer.Write() == 1
+    same(tmp_path / f"a.{ending}", v, f, {"heat": heat}, 1e-10 if mode == "Ascii" else 0.0)
 
 
 @pytest.mark.parametrize("text", [False, True])
 def test_vtk_reads_what_is_written(tmp_path, text):
     vtk = pytest.importorskip("vtk")
     numpy_support = pytest.importorskip("vtk.util.numpy_support")
-    v, f = shapes.torus(12, 8)
+    v, f = surface()
     catamaran.write_mesh(tmp_path / "a.vtk", v, f, text=text)
     reader = vtk.vtkPolyDataReader()
     reader.SetFileName(str(tmp_path / "a.vtk"))
@@ -80,11 +131,133 @@ def test_vtk_reads_what_is_written(tmp_path, text):
     assert np.array_equal(faces.reshape(-1, 3), f)
 
 
-def test_trimesh_reads_3mf(tmp_path):
+@pytest.mark.parametrize(
+    "encoding, endian, ordering",
+    [
+        ("ASCII", "little", "C"),
+        ("B64BIN", "little", "C"),
+        ("B64BIN", "big", "C"),
+        ("B64GZ", "little", "C"),
+        ("B64GZ", "big", "F"),
+    ],
+)
+def test_what_nibabel_writes_in_gifti_is_read_and_ours_by_nibabel(
+    tmp_path, encoding, endian, ordering
+):
+    nibabel = pytest.importorskip("nibabel")
+    v, f = surface(np.float32)
+    heat = np.linspace(0, 1, len(v)).astype(np.float32)
+
+    def array(values, intent, name):
+        return nibabel.gifti.GiftiDataArray(
+            values,
+            intent=f"NIFTI_INTENT_{intent}",
+            datatype="NIFTI_TYPE_INT32" if values.dtype.kind == "i" else "NIFTI_TYPE_FLOAT32",
+            encoding=f"GIFTI_ENCODING_{encoding}",
+            endian=endian,
+            ordering=ordering,
+            meta=nibabel.gifti.GiftiMetaData(Name=name),
+        )
+
+    arrays = [
+        array(v.astype(np.float32), "POINTSET", "points"),
+        array(f.astype(np.int32), "TRIANGLE", "faces"),
+        array(heat, "SHAPE", "heat"),
+    ]
+    nibabel.save(nibabel.gifti.GiftiImage(darrays=arrays), tmp_path / "a.gii")
+    # Text has 6 digits after the point.
+    digits = 1e-6 if encoding == "ASCII" else 0.0
+    same(tmp_path / "a.gii", v, f, {"heat": heat}, digits)
+    nibabel.save(nibabel.gifti.GiftiImage(darrays=arrays[2:]), tmp_path / "b.gii")
+    values = catamaran.read_scalars(tmp_path / "b.gii")
+    assert list(values) == ["heat"] and np.allclose(values["heat"], heat, rtol=0, atol=digits)
+    again, faces = catamaran.read_mesh(tmp_path / "a.gii")
+    catamaran.write_mesh(tmp_path / "c.gii", again, faces)
+    theirs = nibabel.load(tmp_path / "c.gii")
+    assert np.array_equal(theirs.agg_data("pointset"), again)
+    assert np.array_equal(theirs.agg_data("triangle"), f)
+
+
+@pytest.mark.parametrize(
+    "name, options",
+    [
+        ("lh.white", {}),
+        ("rh.pial", {"create_stamp": "created by a test"}),
+        ("lh.inflated", {"create_stamp": ""}),
+        ("lh.sphere", {"volume_info": True}),
+        ("surface", {}),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:.*read as FreeSurfer:UserWarning")
+def test_surfaces_of_freesurfer_are_read(tmp_path, name, options):
+    nibabel = pytest.importorskip("nibabel")
+    v, f = surface(np.float32)
+    if "volume_info" in options:
+        identity = dict(zip(("xras", "yras", "zras", "cras"), [*np.eye(3), np.zeros(3)]))
+        about = {"head": [2, 0, 20], "valid": "1  # volume info valid", "filename": "a.mgz"}
+        sizes = {"volume": [9, 9, 9], "voxelsize": np.ones(3)}
+        options = {"volume_info": {**about, **sizes, **identity}}
+    nibabel.freesurfer.write_geometry(tmp_path / name, v, f, **options)
+    again, faces = catamaran.read_mesh(tmp_path / name)
+    assert np.array_equal(again, v) and np.array_equal(faces, f)
+    with pytest.raises(OSError, match="values of"):
+        catamaran.read_scalars(tmp_path / name)
+
+
+@pytest.mark.parametrize("name", ["lh.curv", "lh.thickness", "rh.sulc", "lh.area", "lh.area.pial"])
+def test_values_of_freesurfer_are_read(tmp_path, name):
+    nibabel = pytest.importorskip("nibabel")
+    v, f = surface(np.float32)
+    nibabel.freesurfer.write_morph_data(tmp_path / name, v[:, 0], len(f))
+    values = catamaran.read_scalars(tmp_path / name)
+    ending = name.rsplit(".", 1)[1]
+    assert list(values) == [ending] and np.array_equal(values[ending], v[:, 0])
+
+
+@pytest.mark.parametrize("labels, unknown", [(1, 0), (2, 3), (3, 0), (7, 5), (36, 100)])
+def test_labels_of_freesurfer_are_read(tmp_path, labels, unknown):
+    nibabel = pytest.importorskip("nibabel")
+    rng = np.random.default_rng(labels)
+    # Different colours, and transparency and a number for each.
+    colors = np.zeros((labels, 5), dtype=np.int32)
+    colors[:, 0], colors[:, 1] = np.arange(labels) + 1, rng.integers(0, 256, labels)
+    numbers = rng.integers(0, labels, 100)
+    numbers[:unknown] = -1
+    names = [f"region {i}" for i in range(labels)]
+    nibabel.freesurfer.write_annot(tmp_path / "lh.annot", numbers, colors, names, fill_ctab=True)
+    values = catamaran.read_scalars(tmp_path / "lh.annot")
+    assert list(values) == ["annot"] and np.array_equal(values["annot"], numbers)
+
+
+def corners(v, f):
+    """The corners of the faces, sorted: meshes of a scene come in any order."""
+    rows = np.round(np.asarray(v)[np.asarray(f)].reshape(-1, 9), 6)
+    return rows[np.lexsort(rows.T)]
+
+
+@pytest.mark.parametrize("kind", ["packed", "stored", "two meshes", "moved", "one mesh twice"])
+def test_what_trimesh_writes_in_3mf_is_read_and_ours_by_trimesh(tmp_path, kind):
     trimesh = pytest.importorskip("trimesh")
     pytest.importorskip("networkx")
     pytest.importorskip("lxml")
-    v, f = shapes.torus(12, 8)
-    catamaran.write_mesh(tmp_path / "a.3mf", v, f)
-    theirs = trimesh.load(tmp_path / "a.3mf", process=False, force="mesh")
-    assert np.allclose(theirs.vertices, v) and np.array_equal(theirs.faces, f)
+    v, f = surface()
+    scene = trimesh.Scene()
+    mesh = trimesh.Trimesh(v, f, process=False)
+    scene.add_geometry(mesh, "first", "first")
+    place = trimesh.transformations.translation_matrix([1, 2, 3])
+    if kind == "two meshes":
+        scene.add_geometry(trimesh.creation.box(), "second", "second")
+    if kind == "moved":
+        scene.graph.update("first", matrix=place @ np.diag([2, 3, 4, 1]))
+    if kind == "one mesh twice":
+        scene.graph.update("again", matrix=place, geometry="first")
+    compression = zipfile.ZIP_STORED if kind == "stored" else zipfile.ZIP_DEFLATED
+    written = trimesh.exchange.threemf.export_3MF(scene, compression=compression)
+    (tmp_path / "a.3mf").write_bytes(written)
+    again, faces = catamaran.read_mesh(tmp_path / "a.3mf")
+    whole = scene.to_mesh()
+    assert len(faces) == len(whole.faces)
+    assert np.allclose(corners(again, faces), corners(whole.vertices, whole.faces), atol=1e-5)
+    catamaran.write_mesh(tmp_path / "b.3mf", again, faces)
+    theirs = trimesh.load(tmp_path / "b.3mf", process=False, force="mesh")
+    assert np.array_equal(theirs.vertices, again) and np.array_equal(theirs.faces, faces)

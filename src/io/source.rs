@@ -104,6 +104,13 @@ impl<'a> Source<'a> {
         }
     }
 
+    /// Returns a source of the text of this file in another encoding, which may take as much memory
+    /// as this file.
+    #[doc(hidden)]
+    pub fn rewritten<'b>(&self, text: &'b [u8]) -> Source<'b> {
+        Source { memory: self.memory, packing: self.packing, ..Source::of_bytes(&self.path, text) }
+    }
+
     /// Returns the path of the file.
     #[doc(hidden)]
     pub fn path(&self) -> &Path {

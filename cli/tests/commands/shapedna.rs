@@ -1,5 +1,7 @@
 //! `catamaran shapedna` and `catamaran unions dataset`, from outside.
 
+use std::collections::HashMap;
+
 use catamaran::io::{Output, Overwrite};
 use catamaran_geometry::mesh::{TriMesh, families, io};
 
@@ -30,6 +32,69 @@ fn a_pose_is_nearest_to_its_figure_and_tables_are_written() {
     assert_eq!(each.lines().count(), 8);
     let refused = folder.fail("shapedna sphere.ply --signatures s.csv");
     assert!(refused.contains("exists already"), "{refused}");
+}
+
+/// The cube of LaPy's tests (data/cubeTria.vtk): 20 x 20 squares a side, cut along one diagonal.
+fn cube_of_lapy() -> TriMesh {
+    const SIDE: u32 = 20;
+    let mut numbers: HashMap<Vec<u32>, u32> = HashMap::new();
+    let (mut points, mut faces) = (Vec::new(), Vec::new());
+    for (axis, side) in [0, 1, 2].into_iter().flat_map(|axis| [(axis, 0), (axis, SIDE)]) {
+        for (i, j) in (0..SIDE).flat_map(|i| (0..SIDE).map(move |j| (i, j))) {
+            let corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]];
+            let [a, b, c, d] = corners.map(|place| {
+                let mut place = place.to_vec();
+                place.insert(axis, side);
+                let next = points.len() as u32;
+                let number = *numbers.entry(place.clone()).or_insert(next);
+                if number == next {
+                    points.push([0, 1, 2].map(|k| f64::from(place[k]) / f64::from(SIDE)));
+                }
+                number
+            });
+            let cut = if axis == 0 { [[a, b, d], [b, c, d]] } else { [[a, b, c], [a, c, d]] };
+            let inwards = (side == 0) != (axis == 1);
+            faces.extend(cut.map(|[a, b, c]| if inwards { [a, c, b] } else { [a, b, c] }));
+        }
+    }
+    TriMesh::new(points, faces).unwrap()
+}
+
+#[test]
+fn surfaces_of_freesurfer_and_gifti_have_the_eigenvalues_that_lapy_stores() {
+    let folder = Folder::new();
+    let cube = cube_of_lapy();
+    let mut surface = b"\xff\xff\xfecreated by a test\n\n".to_vec();
+    for count in [cube.vertices().len(), cube.faces().len()] {
+        surface.extend((count as u32).to_be_bytes());
+    }
+    let positions = cube.vertices().as_flattened().iter();
+    surface.extend(positions.flat_map(|&x| (x as f32).to_be_bytes()));
+    surface.extend(cube.faces().as_flattened().iter().flat_map(|v| v.to_be_bytes()));
+    folder.write("lh.white", surface);
+    write(&folder, "cube.gii", cube);
+    // LaPy, lapy/utils/tests/expected_outcomes.json: test_compute_shapedna, and by the area. They
+    // are of single precision: the first, which is zero, tells how far they are all moved.
+    let stored = [-4.0165149e-5, 4.169641, 4.1704664];
+    let by_area = [-0.00024099089, 25.017845, 25.022799];
+    let same = |found: &[f64], stored: [f64; 3], what: &str| {
+        assert!(found[0].abs() < 1e-9, "{what}: {found:?}");
+        for (found, stored) in found.iter().zip(stored.map(|x| x - stored[0])).skip(1) {
+            assert!((found / stored - 1.0).abs() < 1e-5, "{what}: {found}, {stored}");
+        }
+    };
+    for name in ["lh.white", "cube.gii"] {
+        folder.succeed(&format!("spectrum {name} -k 3 --mass full -o s.npz --force"));
+        same(&folder.read_npz("s.npz", "eigenvalues").1, stored, name);
+    }
+    let table = "--signatures s.csv --nearest 0 --force";
+    for (option, stored) in [("", by_area), (" --sized", stored)] {
+        folder.succeed(&format!("shapedna lh.white cube.gii -k 3 --mass full{option} {table}"));
+        for row in std::fs::read_to_string(folder.path("s.csv")).unwrap().lines() {
+            let found: Vec<f64> = row.split(',').map(|word| word.parse().unwrap()).collect();
+            same(&found, stored, option);
+        }
+    }
 }
 
 #[test]

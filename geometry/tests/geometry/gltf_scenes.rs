@@ -1,12 +1,15 @@
 //! Scenes of glTF: what extensions, skins, morph targets and nodes do to the triangles, and that
 //! nothing is left out without a note.
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use catamaran_geometry::mesh::io::{GltfEncoding, MeshFile, MeshFormat, read, read_bytes};
 
 use crate::common::data;
 use crate::mesh_files::{SQUARE, gltf, note, refusal, square_bytes};
 
 const GLB: MeshFormat = MeshFormat::Gltf(GltfEncoding::Binary);
+const GLTF: MeshFormat = MeshFormat::Gltf(GltfEncoding::Text);
 
 /// The square of [`SQUARE`], changed by `change`, with more of a document after it.
 fn square(change: (&str, &str), more: &str) -> Vec<u8> {
@@ -60,8 +63,7 @@ fn extensions_that_a_file_requires_are_known_or_an_error() {
         let said = refusal(&square(NONE, &required), GLB).1;
         assert_eq!(said, format!("requires the extension {name}, which is not supported"));
     }
-    for name in ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"]
-    {
+    for name in ["KHR_draco_mesh_compression", "KHR_meshopt_compression"] {
         let required = format!(r#", "extensionsRequired": ["KHR_materials_unlit", "{name}"]"#);
         let said = refusal(&square(NONE, &required), GLB).1;
         assert_eq!(said, format!("compressed by the extension {name}, which is not supported"));
@@ -111,14 +113,73 @@ fn compressed_numbers_are_an_error_unless_the_file_has_them_uncompressed_too() {
     // Zeros that no extension replaces.
     let file = read_bytes(&missing(r#"{"bufferView": 0, "#, PRIMITIVE, ""), GLB).unwrap();
     note(&file, "took 0 for positions and vertex numbers that are not in the file: 1");
+}
 
-    // A buffer that only meshopt fills.
-    let json = format!(
-        r#"{{"asset": {{"version": "2.0"}}, {SQUARE}, "buffers": [{{"byteLength": 54,
-        "extensions": {{"EXT_meshopt_compression": {{"fallback": true}}}}}}]}}"#
-    );
-    let said = refusal(json.as_bytes(), MeshFormat::Gltf(GltfEncoding::Text)).1;
-    assert!(said.starts_with("buffer 0: compressed by the extension EXT_meshopt"), "{said}");
+/// The square of [`SQUARE`] in views that are packed, in a buffer that the file does not have.
+fn packed_square() -> String {
+    let positions = &square_bytes()[..48];
+    // One block of one group, with the differences of bytes as they are.
+    let mut bytes = vec![0xa0];
+    for k in 0..12 {
+        let mut deltas = [0u8; 16];
+        for (v, delta) in deltas.iter_mut().enumerate().take(4).skip(1) {
+            let change = positions[12 * v + k].wrapping_sub(positions[12 * (v - 1) + k]);
+            *delta = (change << 1) ^ (change >> 7).wrapping_neg();
+        }
+        bytes.push(3);
+        bytes.extend(deltas);
+    }
+    // The first element is zero.
+    bytes.extend([0; 32]);
+    let first = bytes.len();
+    // The differences 0, 1, 1, 0, -1 and 2 of the numbers of vertices.
+    bytes.extend([0xd1, 0, 4, 4, 0, 2, 8, 0, 0, 0, 0]);
+    let (size, data) = (bytes.len(), STANDARD.encode(&bytes));
+    let second = size - first;
+    format!(
+        r#"{{"asset": {{"version": "2.0"}}, "extensionsUsed": ["EXT_meshopt_compression"],
+        "extensionsRequired": ["EXT_meshopt_compression"],
+        "buffers": [
+            {{"byteLength": {size}, "uri": "data:application/octet-stream;base64,{data}"}},
+            {{"byteLength": 60, "extensions": {{"EXT_meshopt_compression": {{"fallback": true}}}}}}
+        ],
+        "bufferViews": [
+            {{"buffer": 1, "byteLength": 48, "extensions": {{"EXT_meshopt_compression":
+            {{"buffer": 0, "byteLength": {first}, "byteStride": 12, "count": 4,
+            "mode": "ATTRIBUTES"}}}}}},
+            {{"buffer": 1, "byteOffset": 48, "byteLength": 12,
+            "extensions": {{"EXT_meshopt_compression": {{"buffer": 0, "byteOffset": {first},
+            "byteLength": {second}, "byteStride": 2, "count": 6, "mode": "INDICES"}}}}}}
+        ],
+        "accessors": [{{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 4}},
+            {{"bufferView": 1, "componentType": 5123, "type": "SCALAR", "count": 6}}],
+        "meshes": [{{"primitives": [{PRIMITIVE}]}}]}}"#
+    )
+}
+
+#[test]
+fn views_that_meshopt_packs_are_unpacked_and_broken_ones_refused() {
+    let text = packed_square();
+    let file = read_bytes(text.as_bytes(), GLTF).unwrap_or_else(|e| panic!("{e}"));
+    let plain = read_square(NONE, "");
+    assert_eq!((&file.mesh, &file.notes), (&plain.mesh, &plain.notes));
+    for (old, new, said) in [
+        ("INDICES", "OTHER", "view 1: unknown mode \"OTHER\""),
+        ("INDICES", "TRIANGLES", "view 1: begins with byte 0xd1"),
+        ("ATTRIBUTES\"", "ATTRIBUTES\", \"filter\": \"COLOR\"", "view 0: unknown filter \"COLOR\""),
+        ("12, \"count\": 4", "12, \"count\": 5", "does not have the size of 5 packed elements"),
+        ("12, \"count\": 4", "12, \"count\": 8888888888888888", "the buffers would take"),
+        ("{\"buffer\": 0, \"byteLength\"", "{\"buffer\": 1, \"byteLength\"", "bytes are beyond"),
+        ("48, \"extensions\"", "48, \"extras\"", "view 0 is beyond its buffer, which has 0 bytes"),
+    ] {
+        assert!(text.contains(old), "{old}");
+        let refused = refusal(text.replace(old, new).as_bytes(), GLTF).1;
+        assert!(refused.contains(said), "{refused}");
+    }
+    // A view that no mesh has may be broken.
+    let unused =
+        text.replace("\"bufferView\": 1, \"componentType\": 5123", "\"componentType\": 5123");
+    assert!(read_bytes(unused.replace("INDICES", "OTHER").as_bytes(), GLTF).is_ok());
 }
 
 #[test]

@@ -453,7 +453,7 @@ fn version_1_of_gltf_and_compressed_numbers_are_refused_by_name() {
     }
     let broken = r#"{"asset": {"version": "2.0"}, "meshes": {"a": {"primitives": []}}}"#;
     assert!(refusal(broken.as_bytes(), GLTF).1.contains("not the JSON of a glTF file"));
-    for name in ["EXT_meshopt_compression", "KHR_draco_mesh_compression"] {
+    for name in ["KHR_meshopt_compression", "KHR_draco_mesh_compression"] {
         // The buffer has no content outside of the extension, and does not name it.
         let used = format!(
             r#"{{"asset": {{"version": "2.0"}}, "extensionsUsed": ["{name}"],

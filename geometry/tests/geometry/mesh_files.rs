@@ -315,6 +315,23 @@ fn bombs_are_refused() {
 }
 
 #[test]
+fn the_limit_of_memory_holds_for_text_in_utf16_and_with_carriage_returns() {
+    let folder = Folder::new();
+    let long = " ".repeat((1 << 20) + 1);
+    let within = SourceOptions::new().max_memory(1 << 26);
+    for (ending, start) in [("obj", "#\r#\r#\r"), ("off", "OFF\r#\r#\r")] {
+        let text = format!("{start}{long}");
+        let wide = format!("\u{feff}{text}").encode_utf16().flat_map(u16::to_le_bytes).collect();
+        for bytes in [text.into_bytes(), wide] {
+            let path = folder.path(&format!("long.{ending}"));
+            fs::write(&path, &bytes).unwrap();
+            let refused = read_with(&path, &within).unwrap_err();
+            assert!(refused.to_string().contains("a line of 1048576 bytes or more"), "{refused}");
+        }
+    }
+}
+
+#[test]
 fn reading_reports_progress_and_can_be_cancelled() {
     let folder = Folder::new();
     let path = folder.path("mesh.ply");

@@ -3,15 +3,17 @@
 
 use std::fs;
 use std::io::Write;
+use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use catamaran::Result;
+use catamaran::io::SourceOptions;
 use catamaran_geometry::decimate::{DecimateOptions, decimate};
 use catamaran_geometry::mesh::io::{
-    Attribute, MeshFile, MeshFormat, Scalars, VtkEncoding, read, read_bytes, read_scalars, write,
-    write_bytes,
+    Attribute, MeshFile, MeshFormat, Scalars, VtkEncoding, read, read_bytes, write, write_bytes,
 };
-use catamaran_geometry::mesh::{Refined, TriMesh, families};
+use catamaran_geometry::mesh::{Refined, TriMesh, families, io};
 use flate2::Compression;
 use flate2::write::{GzEncoder, ZlibEncoder};
 use zip::write::SimpleFileOptions;
@@ -59,6 +61,10 @@ fn is_cube(bytes: &[u8], format: MeshFormat, what: &str) -> MeshFile {
     let (area, volume) = (file.mesh.area(), file.mesh.volume());
     assert!((area - 6.0).abs() < 1e-12 && (volume - 1.0).abs() < 1e-12, "{what}: {area}, {volume}");
     file
+}
+
+fn read_scalars(path: &Path) -> Result<Vec<Scalars>> {
+    io::read_scalars(path, &SourceOptions::new())
 }
 
 fn refused(bytes: &[u8], format: MeshFormat) -> String {
@@ -163,6 +169,7 @@ fn errors_in_vtk_name_the_line_and_the_culprit() {
     let head = "# vtk DataFile Version 3.0\n\nASCII\n";
     let points = "DATASET POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\n";
     let wide = format!("{points}POINT_DATA 3\nSCALARS s float 5000\n{}", "0 ".repeat(15_000));
+    let twice = format!("{points}POINTS 1 float\n9 9 9\n");
     let lists = |text: &str| format!("{points}POLYGONS {text}\n");
     let offsets = |text: &str| {
         let vertices = "CONNECTIVITY vtktypeint64\n0 1 2 0 1 2";
@@ -180,6 +187,9 @@ fn errors_in_vtk_name_the_line_and_the_culprit() {
         ("DATASET POLYDATA\nPOINTS 1 float\n0 0 0\nPOLYGONS 1 4\n3 0 1 2\n", "vertex 1 is out"),
         ("DATASET POLYDATA\nPOINTS 1 float\n0 0 0\nPOLYGONS 1 4\n5 0 0 0\n", "cell 0 of 1"),
         ("DATASET UNSTRUCTURED_GRID\nCELLS 1 2\n1 0\n", "CELLS without CELL_TYPES"),
+        // Vertices and cells of a second dataset.
+        (&twice[..], "\"POINTS 1 float\" is out of place"),
+        ("DATASET UNSTRUCTURED_GRID\nCELLS 1 2\n1 0\nCELLS 1 2\n1 0\n", "\"CELLS 1 2\" is out"),
         ("POINTS\n", "mesh.vtk:4: \"POINTS\" lacks a word"),
         ("NONSENSE 1\n", "\"NONSENSE 1\" is out of place"),
     ] {
@@ -297,6 +307,7 @@ fn vtk_in_xml_is_read_in_each_encoding() {
         ("20 24<X/>", "20<X/>", "4 vertices come after those of the last cell"),
         ("\"offsets\"", "\"ends\"", "<Polys> lacks connectivity or offsets"),
         ("1 1 1<X/>", "1 1<X/>", "23 coordinates of points, not three for each"),
+        ("0 2 4 6", "0 2 <!-- --> 4 6", "array \"heat\" is in several pieces"),
         ("Components=\"3\"", "Components=\"2\"", "points of 2 coordinates"),
         ("\"LittleEndian\"", "\"LittleEndian\" compressor=\"vtkLZ4DataCompressor\"", "LZ4"),
     ] {
@@ -449,6 +460,16 @@ fn names_and_matrices_of_gifti_are_noticed() {
         assert_eq!((&file.scalars[0].name[..], file.notes.len()), ("depth", notes));
         assert_eq!(file.mesh.vertices()[1], [1.0, 0.0, 0.0]);
     }
+    // Triangles of a second surface would connect the points of the first.
+    let table = |rows: usize| format!("Dimensionality=\"2\" Dim0=\"{rows}\" Dim1=\"3\"");
+    let surface = [
+        array("TRIANGLE", &table(1), "", "0 1 2"),
+        array("POINTSET", &table(3), "", "0 0 0 0 0 9 0 9 0"),
+        array("TRIANGLE", &table(1), "", "0 2 1"),
+    ];
+    let file = read_bytes(whole(0, &surface.concat()).as_bytes(), MeshFormat::Gifti).unwrap();
+    assert_eq!((file.mesh.vertices().len(), file.mesh.faces()), (3, &[[0, 1, 2]][..]));
+    assert!(file.notes[0].contains("of further surfaces, or not of three numbers each: 2"));
     let deep = "Dimensionality=\"3\" Dim0=\"3\" Dim1=\"1\" Dim2=\"1\"";
     let wide = "Dimensionality=\"2\" Dim0=\"1\" Dim1=\"5000\"";
     for (shape, count, what) in [(deep, 3, "more than two dimensions"), (wide, 5000, "5000 values")]
@@ -577,6 +598,9 @@ fn values_and_labels_of_freesurfer_are_read() {
     bytes[0] = 0x7f;
     fs::write(&path, &bytes).unwrap();
     assert!(read_scalars(&path).unwrap_err().to_string().contains("truncated"));
+    let within = SourceOptions::new().max_memory(8);
+    let found = io::read_scalars(&longer, &within).unwrap_err().to_string();
+    assert!(found.contains("this file may take 8"), "{found}");
 }
 
 /// Numbers as Gmsh writes them, as text or binary.
@@ -717,6 +741,9 @@ fn faces_of_gmsh_are_read_in_each_version() {
         file.notes
     );
     assert!(file.notes.contains(&"left out values of elements: 1".into()), "{:?}", file.notes);
+    let parametric = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 1 1 1\n9 1 1 1\n1\n0 0 0\n";
+    let found = refused(parametric.as_bytes(), MeshFormat::Gmsh);
+    assert!(found.contains("nodes with 9 parameters"), "{found}");
     let mut bytes = msh(2, true);
     bytes["$MeshFormat\n2.2 1 8\n".len()] = 7;
     let found = refused(&bytes, MeshFormat::Gmsh);
@@ -825,6 +852,18 @@ fn objects_of_3mf_are_in_their_places_in_millimetres() {
         let found = refused(&threemf(&[("3D/a.model", &text)]), format);
         assert!(found.contains(what), "{what}: {found}");
     }
+    let space = "http://schemas.microsoft.com/3dmanufacturing";
+    let names = [("p", "production/2015/06"), ("b", "beamlattice/2017/02")];
+    let requires = |prefixes: &str| {
+        let spaces = names.map(|(prefix, name)| format!(" xmlns:{prefix}=\"{space}/{name}\""));
+        let unit = format!("millimeter\"{} requiredextensions=\"{prefixes}", spaces.concat());
+        threemf(&[("3D/a.model", &model(&unit, &cube, "<item objectid=\"1\"/>"))])
+    };
+    is_cube(&requires("p"), format, "production");
+    let found = refused(&requires("p b"), format);
+    assert!(found.contains("requires the extension http") && found.contains("beam"), "{found}");
+    let found = refused(&requires("q"), format);
+    assert!(found.contains("requires the extension q, which is not supported"), "{found}");
     let found = refused(&threemf(&[("a", &model("mile", "", ""))]), format);
     assert!(found.contains("unknown unit \"mile\""), "{found}");
     let bytes = threemf(&[("3D/a.model", &text)]);

@@ -57,6 +57,7 @@ struct Raw<'a> {
 struct Reader {
     dataset: Dataset,
     has_points: bool,
+    has_triangles: bool,
 }
 
 impl Reader {
@@ -118,12 +119,14 @@ impl Reader {
                 }
                 self.dataset.points(&values)
             }
-            ("NIFTI_INTENT_TRIANGLE", 3) => {
+            ("NIFTI_INTENT_TRIANGLE", 3) if !self.has_triangles => {
+                self.has_triangles = true;
                 let ends: Vec<f64> = (1..=rows).map(|i| (3 * i) as f64).collect();
                 self.dataset.cells(&values, &ends, 0, |_| Ok(cell::TRIANGLE))
             }
             ("NIFTI_INTENT_POINTSET" | "NIFTI_INTENT_TRIANGLE", _) => {
-                let what = "left out further points, and triangles that are not three vertices";
+                let what = "left out points and triangles of further surfaces, or not of three \
+                            numbers each";
                 self.dataset.draft.notes.add(what, || array.intent.clone());
                 Ok(())
             }

@@ -203,7 +203,13 @@ impl Reader<'_, '_> {
             let [dimension, _, parametric] = self.block()?;
             let count = self.count(Kind::U64, WHAT)?;
             let numbers = self.numbers(count, Kind::U64, WHAT)?;
-            let width = if parametric == 0.0 { 3 } else { 3 + whole(dimension)? };
+            let parameters = if parametric == 0.0 { 0 } else { whole(dimension)? };
+            if parameters > 3 {
+                return Err(
+                    format!("nodes with {parameters} parameters, which have up to 3").into()
+                );
+            }
+            let width = 3 + parameters;
             let values = self.numbers(count.saturating_mul(width), Kind::F64, WHAT)?;
             for (number, position) in numbers.into_iter().zip(values.chunks_exact(width)) {
                 self.node(number, &position[..3])?;

@@ -222,7 +222,7 @@ fn read_source(source: &mut Source<'_>, format: MeshFormat, path: &Path) -> Resu
         if text::ends_in_returns(&bytes) {
             text::returns_to_feeds(&mut bytes);
         }
-        return read_lines(&mut Source::of_bytes(path, &bytes), format, path);
+        return read_lines(&mut source.rewritten(&bytes), format, path);
     }
     read_lines(source, format, path)
 }
@@ -237,11 +237,12 @@ fn read_lines(source: &mut Source<'_>, format: MeshFormat, path: &Path) -> Resul
     })
 }
 
-/// Reads the values of vertices in the file at `path`: those of a mesh, of a GIFTI file without a
-/// surface, of a file of FreeSurfer (`.curv`, `.thickness` and others), or the numbers of labels of
-/// its `.annot`, -1 for none.
+/// Reads the values of vertices in the file at `path`, within a limit of memory: those of a mesh,
+/// of a GIFTI file without a surface, of a file of FreeSurfer (`.curv`, `.thickness` and others),
+/// or the numbers of labels of its `.annot`, -1 for none.
 ///
 /// ```
+/// use catamaran::io::SourceOptions;
 /// use catamaran_geometry::mesh::io::read_scalars;
 ///
 /// # let folder = tempfile::tempdir().unwrap();
@@ -249,20 +250,20 @@ fn read_lines(source: &mut Source<'_>, format: MeshFormat, path: &Path) -> Resul
 /// // The number of vertices, of faces, and of values of a vertex.
 /// let head = [&[255u8; 3][..], &[0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 1]].concat();
 /// std::fs::write(path, [head, [2.5f32, 3.0].map(f32::to_be_bytes).concat()].concat()).unwrap();
-/// let thickness = &read_scalars(path)?[0];
+/// let thickness = &read_scalars(path, &SourceOptions::new())?[0];
 /// assert_eq!((&thickness.name[..], &thickness.values[..]), ("thickness", &[2.5, 3.0][..]));
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 ///
 /// # Errors
-/// As those of [`read()`], also when the file has no values of vertices.
-pub fn read_scalars(path: &Path) -> Result<Vec<Scalars>> {
+/// As those of [`read_with()`], also when the file has no values of vertices.
+pub fn read_scalars(path: &Path, options: &SourceOptions<'_>) -> Result<Vec<Scalars>> {
     let ending = MeshFormat::ending(path);
     if matches!(&ending[..], "mgh" | "mgz") {
         let what = "MGH is not read: nibabel reads it, and numpy.save writes its values as a table";
         return Err(Error::file(path, what));
     }
-    let (mut source, found) = detected(path)?;
+    let (mut source, found) = detected(path, options)?;
     let is_annotation = ending == "annot";
     let scalars = match found {
         _ if is_annotation => freesurfer::scalars(&mut source)?,
@@ -270,7 +271,7 @@ pub fn read_scalars(path: &Path) -> Result<Vec<Scalars>> {
         Some(MeshFormat::FreeSurfer) => freesurfer::scalars(&mut source)?,
         None if MeshFormat::named(path).0.is_none() => freesurfer::scalars(&mut source)?,
         _ => {
-            let MeshFile { scalars, notes, .. } = read(path)?;
+            let MeshFile { scalars, notes, .. } = read_with(path, options)?;
             if scalars.is_empty() && !notes.is_empty() {
                 let what = format!("has no values of vertices: {}", notes.join("; "));
                 return Err(Error::file(path, what));
@@ -285,10 +286,12 @@ pub fn read_scalars(path: &Path) -> Result<Vec<Scalars>> {
 }
 
 /// Opens a file, and returns the format that its content has.
-fn detected(path: &Path) -> Result<(Source<'static>, Option<MeshFormat>)> {
+fn detected<'a>(
+    path: &Path,
+    options: &SourceOptions<'a>,
+) -> Result<(Source<'a>, Option<MeshFormat>)> {
     let named = MeshFormat::named(path);
-    let mut source =
-        Source::open_packed(path, |head| formats::packing(head, named), &SourceOptions::new())?;
+    let mut source = Source::open_packed(path, |head| formats::packing(head, named), options)?;
     let head = source.peek(text::LOOK)?;
     let found = formats::format(&head, source.size());
     Ok((source, found))
@@ -314,7 +317,8 @@ pub fn holds_scalars(path: &Path) -> bool {
         "annot" | "area" | "avg_curv" | "curv" | "mgh" | "mgz" | "sulc" | "thickness" | "volume"
     );
     // What is read from a pipe is gone.
-    let by_content = || path.is_file() && matches!(detected(path), Ok((_, Some(_))));
+    let by_content =
+        || path.is_file() && matches!(detected(path, &SourceOptions::new()), Ok((_, Some(_))));
     mesh || freesurfer || by_content()
 }
 

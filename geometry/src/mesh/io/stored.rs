@@ -106,11 +106,10 @@ pub(super) fn text_numbers(text: &[u8]) -> Checked<Vec<f64>> {
 pub(super) fn whole(number: f64) -> Checked<usize> {
     /// From here on, doubles skip integers.
     const END: f64 = 9_007_199_254_740_992.0;
-    if (0.0..END).contains(&number) && number.fract() == 0.0 {
-        Ok(number as usize)
-    } else {
-        Err(format!("{number} is not an index or a count").into())
-    }
+    let is_whole = (0.0..END).contains(&number) && number.fract() == 0.0;
+    // Machines of 32 bits have fewer indices.
+    let found = if is_whole { usize::try_from(number as u64).ok() } else { None };
+    found.ok_or_else(|| format!("{number} is not an index or a count").into())
 }
 
 /// Returns the number of a vertex, where `base` vertices come before the one with number 0.

@@ -27,6 +27,9 @@ const MODEL: &str = "/3dmodel";
 /// the time that objects within objects take.
 const PLACE: usize = 1 << 10;
 
+/// Parts of the names of extensions that change no triangles, or that the reader applies.
+const EXTENSIONS: [&str; 3] = ["/production/", "/material/", "/trianglesets/"];
+
 /// Components within components, at most.
 const DEEPEST: usize = 64;
 
@@ -179,6 +182,7 @@ impl<'p, 's, 'a> Package<'p, 's, 'a> {
             match tag.name {
                 b"model" => {
                     is_model = true;
+                    check_extensions(&tag)?;
                     let unit = tag.get("unit").unwrap_or("millimeter".into());
                     scale = millimetres(&unit)
                         .ok_or_else(|| format!("unknown unit {unit:?} of the model"))?;
@@ -278,6 +282,19 @@ impl<'p, 's, 'a> Package<'p, 's, 'a> {
         }
         Ok(())
     }
+}
+
+/// Returns an error if a model can't be read without an extension that is not supported.
+fn check_extensions(model: &Tag<'_>) -> Checked<()> {
+    let required = model.get("requiredextensions").unwrap_or_default();
+    for prefix in required.split_whitespace() {
+        // `xmlns:prefix`, of which a tag keeps the end.
+        let name = model.get(prefix).unwrap_or(prefix.into());
+        if !EXTENSIONS.iter().any(|known| name.contains(known)) {
+            return Err(format!("requires the extension {name}, which is not supported").into());
+        }
+    }
+    Ok(())
 }
 
 /// Returns the name of a part as the archive has it: without a slash in front.

@@ -75,7 +75,7 @@ impl Content {
         let (index, view) = (view, views.get(view));
         let view =
             view.ok_or_else(|| format!("view {index} is out of range: {} views", views.len()))?;
-        let bytes = self.bytes(view).ok_or_else(|| format!("view {index} is beyond its buffer"))?;
+        let bytes = self.bytes(index, view)?;
         let size = component_size(layout.component)
             .ok_or_else(|| format!("unknown component type {}", layout.component))?;
         let stride = view.byte_stride.unwrap_or(N * size);
@@ -97,8 +97,18 @@ impl Content {
         Ok(values)
     }
 
-    fn bytes(&self, view: &View) -> Option<&[u8]> {
-        self.buffers.get(view.buffer)?.get(view.byte_offset..)?.get(..view.byte_length)
+    /// Returns the bytes of a view, unpacked.
+    fn bytes(&self, number: usize, view: &View) -> Checked<&[u8]> {
+        match self.unpacked.get(&number) {
+            Some(Ok(bytes)) => return Ok(bytes),
+            Some(Err(what)) => return Err(format!("view {number}: {what}").into()),
+            None => {}
+        }
+        let buffer = self.buffers.get(view.buffer);
+        let own = buffer.and_then(|all| all.get(view.byte_offset..)?.get(..view.byte_length));
+        let size = buffer.map_or(0, Vec::len);
+        let beyond = || format!("view {number} is beyond its buffer, which has {size} bytes");
+        Ok(own.ok_or_else(beyond)?)
     }
 }
 

@@ -1,6 +1,7 @@
 //! The JSON and the buffers of a glTF file: in one binary file, in the JSON as base64, or in
 //! separate files.
 
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Component, Path};
@@ -10,8 +11,9 @@ use serde_json::Value;
 use super::super::draft::{Checked, Fault};
 use super::super::stored::from_base64;
 use super::super::text::without_mark;
-use super::document::{Buffer, Document};
+use super::document::{Buffer, Document, Packed, View};
 use super::extensions::{self, check_required, unsupported};
+use super::meshopt;
 use catamaran::io::Source;
 
 /// The first bytes of a binary file, and the types of its chunks.
@@ -23,6 +25,8 @@ const BIN: &[u8] = b"BIN\0";
 pub(super) struct Content {
     pub document: Document,
     pub buffers: Vec<Vec<u8>>,
+    /// The bytes of views that are packed, or what is wrong with them, by the number of the view.
+    pub unpacked: BTreeMap<usize, std::result::Result<Vec<u8>, String>>,
 }
 
 impl Content {
@@ -61,13 +65,53 @@ impl Content {
         let mut buffers = Vec::new();
         let mut total = 0usize;
         for (i, buffer) in document.buffers.iter().enumerate() {
+            let binary = binary.filter(|_| i == 0);
+            if is_placeholder(buffer, binary, &document) {
+                buffers.push(Vec::new());
+                continue;
+            }
             total = total.saturating_add(buffer.byte_length);
             source.check_memory::<u8>("the buffers", total)?;
-            let content = load(buffer, binary.filter(|_| i == 0), source.path(), &document);
+            let content = load(buffer, binary, source.path(), &document);
             buffers.push(content.map_err(|fault| fault.of(|| format!("buffer {i}")))?);
         }
-        Ok(Self { document, buffers })
+        let mut unpacked = BTreeMap::new();
+        for (i, view) in document.buffer_views.iter().enumerate() {
+            let Some(packed) = &view.extensions.packed else { continue };
+            total = total.saturating_add(packed.count.saturating_mul(packed.byte_stride));
+            source.check_memory::<u8>("the buffers", total)?;
+            // A view that no mesh has may be broken.
+            let content = match unpack(view, packed, &buffers) {
+                Err(Fault::Error(error)) => return Err(error.into()),
+                Err(Fault::What(what)) => Err(what),
+                Ok(content) => Ok(content),
+            };
+            unpacked.insert(i, content);
+        }
+        Ok(Self { document, buffers, unpacked })
     }
+}
+
+/// Returns whether a buffer stands for the bytes that packed views unpack to.
+fn is_placeholder(buffer: &Buffer, binary: Option<&[u8]>, document: &Document) -> bool {
+    let own = buffer.extensions.unpacked.as_ref();
+    let is_absent = buffer.uri.is_none() && binary.is_none();
+    let is_used = || document.extensions_used.iter().any(|name| name == meshopt::NAME);
+    own.is_some_and(|own| own.fallback) || (is_absent && (own.is_some() || is_used()))
+}
+
+/// Returns the bytes of a view that is packed.
+fn unpack(view: &View, packed: &Packed, buffers: &[Vec<u8>]) -> Checked<Vec<u8>> {
+    let stride = packed.byte_stride;
+    if view.byte_stride.is_some_and(|own| own != stride)
+        || packed.count.checked_mul(stride) != Some(view.byte_length)
+    {
+        let Packed { count, .. } = packed;
+        return Err(format!("does not have the size of {count} packed elements").into());
+    }
+    let buffer = buffers.get(packed.buffer);
+    let data = buffer.and_then(|all| all.get(packed.byte_offset..)?.get(..packed.byte_length));
+    meshopt::unpacked(packed, data.ok_or("the packed bytes are beyond their buffer")?)
 }
 
 /// Returns the error about a version that is not supported.
@@ -116,7 +160,7 @@ fn load(
 ) -> Checked<Vec<u8>> {
     let length = buffer.byte_length;
     let mut bytes = match buffer.uri.as_deref() {
-        None => match (binary, extensions::source(&buffer.extensions, document)) {
+        None => match (binary, extensions::source(&buffer.extensions.others, document)) {
             (Some(binary), _) => binary.to_vec(),
             (None, Some(name)) => return Err(unsupported(name)),
             (None, None) => return Err("has no URI, and is not in the file".into()),

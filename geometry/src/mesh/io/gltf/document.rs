@@ -188,7 +188,29 @@ pub(super) struct View {
     pub byte_offset: usize,
     pub byte_length: usize,
     pub byte_stride: Option<usize>,
-    pub extensions: Extensions,
+    pub extensions: ViewExtensions,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default)]
+pub(super) struct ViewExtensions {
+    #[serde(rename = "EXT_meshopt_compression")]
+    pub packed: Option<Packed>,
+    #[serde(flatten)]
+    pub others: Extensions,
+}
+
+/// The packed bytes of a view, in a buffer of their own.
+#[derive(Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Packed {
+    pub buffer: usize,
+    pub byte_offset: usize,
+    pub byte_length: usize,
+    pub byte_stride: usize,
+    pub count: usize,
+    pub mode: String,
+    pub filter: Option<String>,
 }
 
 #[derive(Default, Deserialize)]
@@ -196,5 +218,21 @@ pub(super) struct View {
 pub(super) struct Buffer {
     pub uri: Option<String>,
     pub byte_length: usize,
-    pub extensions: Extensions,
+    pub extensions: BufferExtensions,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default)]
+pub(super) struct BufferExtensions {
+    #[serde(rename = "EXT_meshopt_compression")]
+    pub unpacked: Option<Unpacked>,
+    #[serde(flatten)]
+    pub others: Extensions,
+}
+
+/// Whether a buffer has only the bytes that packed views unpack to.
+#[derive(Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Unpacked {
+    pub fallback: bool,
 }

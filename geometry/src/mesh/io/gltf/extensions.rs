@@ -3,15 +3,15 @@
 use super::super::draft::{Checked, Fault};
 use super::super::notes::Notes;
 use super::document::{Document, Extensions};
+use super::meshopt;
 
 /// Extensions that compress the numbers of a mesh. A file may have the same numbers uncompressed;
 /// then these are read.
-const COMPRESSION: [&str; 3] =
-    ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
+const COMPRESSION: [&str; 2] = ["KHR_draco_mesh_compression", "KHR_meshopt_compression"];
 
 /// Extensions that the reader applies.
-const APPLIED: [&str; 3] =
-    ["KHR_mesh_quantization", "KHR_node_visibility", "EXT_mesh_gpu_instancing"];
+const APPLIED: [&str; 4] =
+    ["KHR_mesh_quantization", "KHR_node_visibility", "EXT_mesh_gpu_instancing", meshopt::NAME];
 
 /// Beginnings of the names of extensions that do not change the triangles: materials, textures,
 /// lights, sound, physics, behaviour, descriptions, and coarser levels of detail.
@@ -75,10 +75,10 @@ pub(super) fn note_left_out(document: &Document, notes: &mut Notes) {
         note(&accessor.extensions, &|| format!("accessor {i}"));
     }
     for (i, view) in document.buffer_views.iter().enumerate() {
-        note(&view.extensions, &|| format!("buffer view {i}"));
+        note(&view.extensions.others, &|| format!("buffer view {i}"));
     }
     for (i, buffer) in document.buffers.iter().enumerate() {
-        note(&buffer.extensions, &|| format!("buffer {i}"));
+        note(&buffer.extensions.others, &|| format!("buffer {i}"));
     }
 }
 

@@ -10,6 +10,7 @@ mod document;
 mod encoding;
 mod extensions;
 mod material;
+mod meshopt;
 mod picture;
 mod scene;
 mod transform;

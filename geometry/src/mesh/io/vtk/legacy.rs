@@ -61,12 +61,12 @@ impl Reader<'_> {
                         return Err(format!("a dataset {what} is not a surface").into());
                     }
                 },
-                b"POINTS" => {
+                b"POINTS" if self.dataset.draft.vertices.is_empty() => {
                     let values = operand_count(line, 1)?.saturating_mul(3);
                     let values = self.values(values, operand(line, 2)?, "the points")?;
                     self.dataset.points(&values)?;
                 }
-                b"CELLS" => cells = Some(self.lists(line)?),
+                b"CELLS" if cells.is_none() => cells = Some(self.lists(line)?),
                 b"CELL_TYPES" => {
                     let kinds = self.values(operand_count(line, 1)?, b"int", "types of cells")?;
                     let Some((corners, ends)) = cells.take() else {

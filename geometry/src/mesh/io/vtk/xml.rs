@@ -104,9 +104,12 @@ impl<'a> Document<'a> {
                     let is_own = matches!(xml.open().last(), Some(&(b"DataArray" | b"Array")));
                     // There may be elements with blanks around them, too.
                     let text = text.trim_ascii();
-                    if let Some(array) = document.arrays.last_mut().filter(|_| is_own)
-                        && text.len() > array.text.len()
-                    {
+                    let array = document.arrays.last_mut().filter(|_| is_own && !text.is_empty());
+                    if let Some(array) = array {
+                        if !array.text.is_empty() {
+                            let name = &array.name;
+                            return Err(format!("array {name:?} is in several pieces").into());
+                        }
                         array.text = text;
                     }
                 }
