@@ -34,7 +34,7 @@ options! {
 /// Distances along the surface by the heat method: Crane, Weischedel and Wardetzky, Geodesics in
 /// Heat (2013), with Neumann conditions at the boundary.
 ///
-/// The distances are not exact; docs/algorithms/laplacian.md has measured errors. Heat flows on the
+/// The distances are not exact; docs/algorithms/laplacian.md bounds the errors. Heat flows on the
 /// intrinsic Delaunay triangulation, and a mesh of fewer than 500 faces is refined for it. Results
 /// are at least the straight distance through space and at most the length of the shortest path
 /// along edges of the mesh or of the triangulation.
