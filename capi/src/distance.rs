@@ -227,9 +227,9 @@ pub unsafe extern "C" fn cata_distance_edges(
 }
 
 /// Computes the exact distance of every vertex from the nearest source over the surface, up to
-/// rounding: the length of the shortest path over faces (Mitchell, Mount and Papadimitriou 1987; Xin
-/// and Wang 2009), on the calling thread. Edges may have any number of faces; none may be without
-/// length.
+/// rounding: the length of the shortest path over faces (Mitchell, Mount and Papadimitriou 1987;
+/// Xin and Wang 2009), on the calling thread. Edges may have any number of faces; none may be
+/// without length.
 ///
 /// - `count`, `sources`: vertices.
 /// - `distances`: n_vertices elements, written: 0 at sources, INFINITY in components without one.
@@ -392,8 +392,8 @@ pub unsafe extern "C" fn cata_path_size(
 
 /// Gets a path; NULL where not wanted.
 ///
-/// - `vertices`: n_vertices elements, written: those of the path along edges, both ends included; of
-///   an exact path those that it was asked to lead through.
+/// - `vertices`: n_vertices elements, written: those of the path along edges, both ends included;
+///   of an exact path those that it was asked to lead through.
 /// - `points`: 3 n_points elements, written: where the path goes, the positions of `vertices`
 ///   unless it is straight.
 ///

@@ -4,7 +4,7 @@ mod path;
 mod tests;
 mod windows;
 
-use super::super::TriMesh;
+use crate::mesh::TriMesh;
 use catamaran::base::{Error, Result};
 use glued::Glued;
 pub use path::GeodesicPath;
