@@ -1,7 +1,7 @@
 //! # Distances
 //!
-//! Distances on a mesh: over its surface, by the heat method, and along its edges; paths along
-//! edges, and geodesics that they shorten to.
+//! Distances on a mesh: over its surface, exactly or by the heat method, and along its edges; the
+//! shortest paths over faces and along edges, and geodesics that the latter shorten to.
 //!
 //! ```c
 //! double v[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, d[4], length; // a square
@@ -26,7 +26,8 @@ use super::progress::{cata_progress, par};
 use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_NOT_CONVERGED, Failure, cata_status};
 use catamaran_geometry::curve::{Curve, Waypoint, smooth};
 use catamaran_geometry::mesh::{
-    Dijkstra, Graph, HeatMethod, HeatOptions, LaplacianKind, SearchLimits, TriMesh,
+    Dijkstra, Geodesics, Graph, HeatMethod, HeatOptions, LaplacianKind, SearchLimits, SurfacePoint,
+    TriMesh,
 };
 
 /// `flow`: heat flows on the intrinsic Delaunay triangulation of any mesh (tufted cover).
@@ -72,10 +73,13 @@ pub struct cata_heat {
     n_vertices: usize,
 }
 
-/// A path from one vertex to another. Made by cata_distance_path; constant.
+/// A path from one vertex to another. Made by cata_distance_path and cata_distance_path_exact;
+/// constant.
 pub struct cata_path {
     vertices: Vec<u32>,
     points: Vec<[f64; 3]>,
+    /// The points on the faces; `None` unless the path is exact.
+    places: Option<Vec<SurfacePoint>>,
     length: f64,
 }
 
@@ -222,6 +226,96 @@ pub unsafe extern "C" fn cata_distance_edges(
     })
 }
 
+/// Computes the exact distance of every vertex from the nearest source over the surface, up to
+/// rounding: the length of the shortest path over faces (Mitchell, Mount and Papadimitriou 1987;
+/// Xin and Wang 2009), on the calling thread. Edges may have any number of faces; none may be
+/// without length.
+///
+/// - `count`, `sources`: vertices.
+/// - `distances`: n_vertices elements, written: 0 at sources, INFINITY in components without one.
+/// - `params`: `progress` is used, the rest is only checked.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_distance_exact(
+    n_vertices: usize,
+    vertices: *const f64,
+    n_faces: usize,
+    faces: *const u32,
+    count: usize,
+    sources: *const u32,
+    distances: *mut f64,
+    params: *const cata_distance_params,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (mesh, sources, params, distances) = unsafe {
+            (
+                mesh(n_vertices, vertices, n_faces, faces)?,
+                slice("sources", sources, count)?,
+                read_or_zeros("params", params)?,
+                slice_mut("distances", distances, n_vertices)?,
+            )
+        };
+        heat_options(&params)?;
+        let found = params.caller().reported(|_| Ok(Geodesics::new(&mesh)?.distances(sources)?))?;
+        distances.copy_from_slice(&found);
+        Ok(())
+    })
+}
+
+/// Finds the shortest path over faces that leads through vertices in their order: from the first to
+/// the last. Without a path, the sizes are 0, and the length is INFINITY.
+///
+/// - `count`, `through`: vertices, at least two.
+/// - `params`: `progress` is used, the rest is only checked.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_distance_path_exact(
+    n_vertices: usize,
+    vertices: *const f64,
+    n_faces: usize,
+    faces: *const u32,
+    count: usize,
+    through: *const u32,
+    params: *const cata_distance_params,
+    path: *mut *mut cata_path,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (mesh, through, params, place) = unsafe {
+            (
+                mesh(n_vertices, vertices, n_faces, faces)?,
+                slice("through", through, count)?,
+                read_or_zeros("params", params)?,
+                output("path", path)?,
+            )
+        };
+        heat_options(&params)?;
+        if through.len() < 2 {
+            let why = format!("through: at least two vertices are needed, got {count}");
+            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+        }
+        let (from, others) = through.split_at(1);
+        let found =
+            params.caller().reported(|_| Ok(Geodesics::new(&mesh)?.path_through(from, others)?))?;
+        let is_there = found.length.is_finite();
+        hand_over(
+            place,
+            cata_path {
+                vertices: if is_there { through.to_vec() } else { Vec::new() },
+                points: found.positions(&mesh),
+                places: Some(found.points),
+                length: found.length,
+            },
+        );
+        Ok(())
+    })
+}
+
 /// Finds the shortest path along edges from one vertex to another. Without a path, all sizes are 0,
 /// and the length is INFINITY.
 ///
@@ -298,7 +392,8 @@ pub unsafe extern "C" fn cata_path_size(
 
 /// Gets a path; NULL where not wanted.
 ///
-/// - `vertices`: n_vertices elements, written: those of the path along edges, both ends included.
+/// - `vertices`: n_vertices elements, written: those of the path along edges, both ends included;
+///   of an exact path those that it was asked to lead through.
 /// - `points`: 3 n_points elements, written: where the path goes, the positions of `vertices`
 ///   unless it is straight.
 ///
@@ -319,6 +414,37 @@ pub unsafe extern "C" fn cata_path_get(
             let points = optional_slice_mut("points", points, places.len())?;
             fill_slice(vertices, &own.vertices);
             fill_slice(points, places);
+        }
+        Ok(())
+    })
+}
+
+/// Gets the points of a path of cata_distance_path_exact as points of faces; NULL where not wanted.
+///
+/// - `faces`: n_points elements, written.
+/// - `weights`: 3 n_points elements, written: barycentric coordinates at the corners of the faces.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_path_places(
+    path: *const cata_path,
+    faces: *mut u32,
+    weights: *mut f64,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let own = known("path", path)?;
+            let Some(places) = &own.places else {
+                let why = "path: only a path of cata_distance_path_exact has places".into();
+                return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+            };
+            let faces = optional_slice_mut("faces", faces, places.len())?;
+            let weights = optional_slice_mut("weights", weights, 3 * places.len())?;
+            fill_slice(faces, &places.iter().map(|place| place.face).collect::<Vec<_>>());
+            let all: Vec<[f64; 3]> = places.iter().map(|place| place.weights).collect();
+            fill_slice(weights, all.as_flattened());
         }
         Ok(())
     })
@@ -356,7 +482,7 @@ fn along_edges(mesh: &TriMesh, from: u32, to: u32) -> Result<cata_path, Failure>
     search.search(&[(from, 0.0)], &limits)?;
     let vertices = search.path(to);
     let points = vertices.iter().map(|&v| mesh.vertices()[v as usize]).collect();
-    Ok(cata_path { vertices, points, length: search.distance(to) })
+    Ok(cata_path { vertices, points, places: None, length: search.distance(to) })
 }
 
 /// Returns the path as a geodesic between its ends.

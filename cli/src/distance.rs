@@ -1,5 +1,6 @@
 //! `catamaran distance`.
 
+use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -8,7 +9,8 @@ use anyhow::{Context, Result, bail};
 use catamaran::faer::Mat;
 use catamaran::io::{self as files, Output};
 use catamaran_geometry::mesh::{
-    Components, Dijkstra, Graph, HeatMethod, HeatOptions, SearchLimits, TriMesh,
+    Components, Dijkstra, Geodesics, Graph, HeatMethod, HeatOptions, SearchLimits, SurfacePoint,
+    TriMesh,
 };
 use clap::ValueEnum;
 
@@ -32,8 +34,9 @@ pub struct Args {
     #[arg(long, value_name = "VERTEX,...", value_delimiter = ',', required = true)]
     from: Vec<u32>,
     /// Method: over the faces (heat, the heat method; a few per cent of the largest distance off:
-    /// 3 % on a flat grid of 40 x 40 squares, less on finer meshes), or exactly along edges, which
-    /// gives longer distances (edges).
+    /// 3 % on a flat grid of 40 x 40 squares, less on finer meshes), exactly over the faces (exact,
+    /// which takes longer on large meshes), or exactly along edges, which gives longer distances
+    /// (edges).
     #[arg(long, value_name = "METHOD", default_value = "heat")]
     method: How,
     /// Time that heat flows in the heat method, in units of the squared mean edge length of the
@@ -58,11 +61,13 @@ pub struct Args {
     /// and .gz after it).
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Report the shortest path along edges from a vertex of --from to this vertex, numbered from
-    /// 0.
-    #[arg(long, value_name = "VERTEX")]
-    to: Option<u32>,
-    /// Output file of the path to --to (.obj).
+    /// Report the shortest path from a vertex of --from to this vertex, numbered from 0, or to the
+    /// first of several, separated by commas, and on to the others in their order: over the faces
+    /// with --method exact, else along edges.
+    #[arg(long, value_name = "VERTEX,...", value_delimiter = ',')]
+    to: Vec<u32>,
+    /// Output file of the path to --to: a line (.obj), or, with --method exact, a table of the
+    /// points with their faces and barycentric coordinates (.csv).
     #[arg(long, value_name = "FILE", requires = "to")]
     path_output: Option<PathBuf>,
     #[command(flatten)]
@@ -71,9 +76,10 @@ pub struct Args {
     force: Force,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum How {
     Heat,
+    Exact,
     Edges,
 }
 
@@ -81,7 +87,8 @@ enum How {
 pub fn run(args: &Args) -> Result<()> {
     files::check_name(&args.output)?;
     let output = args.force.create(&args.output)?;
-    let path_output = args.path_output.as_deref().map(|path| obj(path, args.force)).transpose()?;
+    let path_output =
+        args.path_output.as_deref().map(|path| create_path(path, args)).transpose()?;
     let picture = args.picture.create(args.force)?;
     let mesh = args.repair.read(&args.mesh)?.mesh;
     let components = Components::new(&mesh);
@@ -94,6 +101,7 @@ pub fn run(args: &Args) -> Result<()> {
     let named = || args.mesh.display().to_string();
     let distances = match args.method {
         How::Heat => over_faces(args, &mesh).with_context(named)?,
+        How::Exact => exact(args, &mesh).with_context(named)?,
         How::Edges => along_edges(args, &mesh).with_context(named)?,
     };
     let finite = || distances.iter().copied().filter(|distance| distance.is_finite());
@@ -109,18 +117,14 @@ pub fn run(args: &Args) -> Result<()> {
         seconds(time)
     )?;
 
-    if let Some(to) = args.to {
-        let (path, length) = path(args, &mesh, to).with_context(named)?;
-        report!(
-            "path",
-            path = path,
-            length = length;
-            "{length:.6e} over {} edges",
-            path.len() - 1
-        )?;
+    if !args.to.is_empty() {
+        let text = if args.method == How::Exact {
+            path_over_faces(args, &mesh).with_context(named)?
+        } else {
+            path_along_edges(args, &mesh).with_context(named)?
+        };
         if let Some(output) = path_output {
-            let points: Vec<_> = path.iter().map(|&v| mesh.vertices()[v as usize]).collect();
-            write(output, &line(&points, 1, false))?;
+            write(output, &text)?;
         }
     }
     if let Some(picture) = picture {
@@ -147,32 +151,92 @@ fn along_edges(args: &Args, mesh: &TriMesh) -> catamaran::Result<Vec<f64>> {
     Ok(search.distances())
 }
 
-/// Returns the vertices of the shortest path along edges, and its length.
-fn path(args: &Args, mesh: &TriMesh, to: u32) -> Result<(Vec<u32>, f64)> {
+fn exact(args: &Args, mesh: &TriMesh) -> catamaran::Result<Vec<f64>> {
+    Geodesics::new(mesh)?.distances(&args.from)
+}
+
+/// Reports the shortest path along edges, and returns the text of its file.
+fn path_along_edges(args: &Args, mesh: &TriMesh) -> Result<String> {
     let graph = Graph::of_mesh(mesh);
     let mut search = Dijkstra::new(&graph);
-    let limits = SearchLimits { targets: &[to], ..SearchLimits::default() };
-    search.search(&sources(args), &limits)?;
-    let path = search.path(to);
-    if path.is_empty() {
-        bail!("--to: no edges lead to vertex {to}");
+    let (mut path, mut length) = (Vec::new(), 0.0);
+    let mut starts = sources(args);
+    for &to in &args.to {
+        let limits = SearchLimits { targets: &[to], ..SearchLimits::default() };
+        search.search(&starts, &limits)?;
+        let part = search.path(to);
+        if part.is_empty() {
+            bail!("--to: no edges lead to vertex {to}");
+        }
+        let known = usize::from(!path.is_empty());
+        path.extend(part.into_iter().skip(known));
+        length += search.distance(to);
+        starts = vec![(to, 0.0)];
     }
-    Ok((path, search.distance(to)))
+    report!(
+        "path",
+        path = path,
+        length = length;
+        "{length:.6e} over {} edges",
+        path.len() - 1
+    )?;
+    let points: Vec<_> = path.iter().map(|&v| mesh.vertices()[v as usize]).collect();
+    Ok(line(&points, 1, false))
+}
+
+/// Reports the shortest path over faces, and returns the text of its file.
+fn path_over_faces(args: &Args, mesh: &TriMesh) -> Result<String> {
+    let path = Geodesics::new(mesh)?.path_through(&args.from, &args.to)?;
+    if path.length.is_infinite() {
+        let through: Vec<String> = args.to.iter().map(u32::to_string).collect();
+        bail!("--to: no path over faces leads through {}", through.join(", "));
+    }
+    let (length, parts) = (path.length, path.points.len().saturating_sub(1));
+    report!(
+        "path",
+        parts = parts,
+        length = length;
+        "{length:.6e} in {parts} straight parts"
+    )?;
+    let points = path.positions(mesh);
+    Ok(match &args.path_output {
+        Some(name) if has_extension(name, "csv") => table(&points, &path.points),
+        _ => line(&points, 1, false),
+    })
+}
+
+/// Returns the points of a path as a table.
+fn table(points: &[[f64; 3]], places: &[SurfacePoint]) -> String {
+    let mut text = String::from("x,y,z,face,a,b,c\n");
+    for ([x, y, z], place) in points.iter().zip(places) {
+        let (face, [a, b, c]) = (place.face, place.weights);
+        let _ = writeln!(text, "{x},{y},{z},{face},{a},{b},{c}");
+    }
+    text
 }
 
 fn sources(args: &Args) -> Vec<(u32, f64)> {
     args.from.iter().map(|&vertex| (vertex, 0.0)).collect()
 }
 
-/// Starts a file of a path.
+/// Starts the file of the path.
 ///
 /// # Errors
-/// The name does not end in .obj; those of [`Force::create`].
-fn obj(path: &Path, force: Force) -> Result<Output> {
-    if path.extension().is_none_or(|extension| extension != "obj") {
-        bail!("{}: the name must end in .obj", path.display());
+/// The name ends in none of the formats; those of [`Force::create`].
+fn create_path(path: &Path, args: &Args) -> Result<Output> {
+    let name = path.display();
+    match args.method {
+        How::Exact if has_extension(path, "csv") => {}
+        _ if has_extension(path, "obj") => {}
+        How::Exact => bail!("{name}: the name must end in .obj or .csv"),
+        _ if has_extension(path, "csv") => bail!("{name}: .csv is for --method exact only"),
+        _ => bail!("{name}: the name must end in .obj"),
     }
-    force.create(path)
+    args.force.create(path)
+}
+
+fn has_extension(path: &Path, extension: &str) -> bool {
+    path.extension().is_some_and(|found| found == extension)
 }
 
 fn write(mut output: Output, text: &str) -> Result<()> {

@@ -7,8 +7,8 @@ use faer::Mat;
 
 use crate::decimate::{DecimateOptions, FarthestPoints, decimate};
 use crate::mesh::{
-    Dijkstra, Graph, HeatMethod, HeatOptions, LaplacianKind, LaplacianOptions, SearchLimits,
-    TriMesh, families, laplacian,
+    Dijkstra, Geodesics, Graph, HeatMethod, HeatOptions, LaplacianKind, LaplacianOptions,
+    SearchLimits, TriMesh, families, laplacian,
 };
 use crate::unions::{ShapeDnaOptions, shape_dna};
 use catamaran::base::{Error, Par, Progress, Result, Rng, measure};
@@ -118,6 +118,9 @@ fn distances_ask() {
     });
     check("HeatMethod::distances", 1e7, |_| heat.distances(&[7]).map(drop));
     let graph = Graph::of_mesh(&sphere(7));
+    let coarse = sphere(5);
+    let exact = Geodesics::new(&coarse).unwrap();
+    check("Geodesics", 2e7, |_| exact.distances(&[7]).map(drop));
     check("Dijkstra", 1e7, |_| Dijkstra::new(&graph).search(&[(7, 0.0)], &SearchLimits::default()));
 }
 

@@ -111,15 +111,58 @@ inline edge_distances distances_along_edges(const mesh_view& mesh,
     return found;
 }
 
+/// The exact distance of each vertex from the nearest source over the surface:
+/// cata_distance_exact.
+inline std::vector<double> exact_distances(const mesh_view& mesh,
+                                           const std::vector<std::uint32_t>& sources,
+                                           const distance_options& how = {}) {
+    std::vector<double> found(mesh.n_vertices);
+    detail::distance_call call(how);
+    call.finish(cata_distance_exact(mesh.n_vertices, mesh.vertices, mesh.n_faces, mesh.faces,
+                                    sources.size(), sources.data(), found.data(), call.params()));
+    return found;
+}
+
 /// A path from one vertex to another.
 struct mesh_path {
-    /// Of the path along edges, both ends included; none: there is no path.
+    /// Of the path along edges, both ends included, or those that an exact path was asked to lead
+    /// through; none: there is no path.
     std::vector<std::uint32_t> vertices;
     /// Where it goes.
     point_list points;
     /// In the unit of the mesh; infinite without a path.
     double length = 0.0;
 };
+
+/// A shortest path over faces.
+struct exact_path : mesh_path {
+    /// The face of each point.
+    std::vector<std::uint32_t> faces;
+    /// The barycentric coordinates of each point in its face.
+    point_list weights;
+};
+
+/// The shortest path over faces through vertices in their order, at least two:
+/// cata_distance_path_exact.
+inline exact_path shortest_path_over_faces(const mesh_view& mesh,
+                                           const std::vector<std::uint32_t>& through,
+                                           const distance_options& how = {}) {
+    detail::distance_call call(how);
+    cata_path* made = nullptr;
+    call.finish(cata_distance_path_exact(mesh.n_vertices, mesh.vertices, mesh.n_faces, mesh.faces,
+                                         through.size(), through.data(), call.params(), &made));
+    const std::unique_ptr<cata_path, void (*)(cata_path*)> handle(made, cata_path_free);
+    exact_path found;
+    std::size_t n_vertices = 0, n_points = 0;
+    detail::check(cata_path_size(made, &n_vertices, &n_points, &found.length));
+    found.vertices.resize(n_vertices);
+    found.points.resize(n_points);
+    found.faces.resize(n_points);
+    found.weights.resize(n_points);
+    detail::check(cata_path_get(made, found.vertices.data(), detail::first_of(found.points)));
+    detail::check(cata_path_places(made, found.faces.data(), detail::first_of(found.weights)));
+    return found;
+}
 
 /// The shortest path along edges, or, where `straight`, the geodesic that it shortens to:
 /// cata_distance_path.

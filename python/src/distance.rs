@@ -1,6 +1,6 @@
 //! Distances on meshes.
 
-use catamaran_geometry::mesh::{Dijkstra, Graph, HeatMethod, HeatOptions, SearchLimits};
+use catamaran_geometry::mesh::{Dijkstra, Geodesics, Graph, HeatMethod, HeatOptions, SearchLimits};
 use pyo3::prelude::*;
 
 use crate::array::{from_rows, from_vec};
@@ -9,8 +9,15 @@ use crate::mesh::{mesh, numbers};
 use crate::options::{Threads, laplacian_kind, par, vertex, vertices, word};
 use crate::task::{Length, run};
 
-/// The distance of each vertex from the nearest source, by the heat method or along edges; see
-/// `catamaran.distances`.
+#[derive(Clone, Copy)]
+enum Method {
+    Heat,
+    Exact,
+    Edges,
+}
+
+/// The distance of each vertex from the nearest source, by the heat method, exactly or along edges;
+/// see `catamaran.distances`.
 #[pyfunction]
 #[pyo3(signature = (v, f, sources, method, time, kind, threads, progress))]
 pub fn distances<'py>(
@@ -24,12 +31,15 @@ pub fn distances<'py>(
     threads: Threads,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let is_heat = word("method", method, &[("heat", true), ("edges", false)])?;
+    let methods = [("heat", Method::Heat), ("exact", Method::Exact), ("edges", Method::Edges)];
+    let method = word("method", method, &methods)?;
     let options = HeatOptions::new().time(time).kind(laplacian_kind(kind)?).par(par(threads)?);
     let (mesh, sources) = (mesh(v, f)?, vertices("sources", sources)?);
     let found = run(py, Length::Long, progress, move |_| {
-        if is_heat {
-            return HeatMethod::new(&mesh, &options)?.distances(&sources);
+        match method {
+            Method::Heat => return HeatMethod::new(&mesh, &options)?.distances(&sources),
+            Method::Exact => return Geodesics::new(&mesh)?.distances(&sources),
+            Method::Edges => {}
         }
         let graph = Graph::of_mesh(&mesh);
         let mut search = Dijkstra::new(&graph);
@@ -66,4 +76,37 @@ pub fn shortest_path<'py>(
         Ok((path, points, search.distance(end)))
     })?;
     Ok((numbers(py, path), from_rows(py, points)?.into_any(), length))
+}
+
+/// Positions, faces, barycentric coordinates and the length of a path.
+type Geodesic<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, f64);
+
+/// The shortest path over faces through vertices; see `catamaran.geodesic_path`.
+#[pyfunction]
+#[pyo3(signature = (v, f, through, progress))]
+pub fn geodesic_path<'py>(
+    py: Python<'py>,
+    v: &Bound<'py, PyAny>,
+    f: &Bound<'py, PyAny>,
+    through: &Bound<'py, PyAny>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Geodesic<'py>> {
+    let (mesh, through) = (mesh(v, f)?, vertices("through", through)?);
+    if through.len() < 2 {
+        let got = through.len();
+        return Err(refused("through", format_args!("at least two are needed, got {got}")));
+    }
+    if let Some(beyond) = through.iter().find(|&&v| v as usize >= mesh.vertices().len()) {
+        return Err(refused("through", format_args!("there is no vertex {beyond}")));
+    }
+    let (path, positions) = run(py, Length::Long, progress, move |_| {
+        let (from, others) = through.split_at(1);
+        let path = Geodesics::new(&mesh)?.path_through(from, others)?;
+        let positions = path.positions(&mesh);
+        Ok((path, positions))
+    })?;
+    let weights: Vec<[f64; 3]> = path.points.iter().map(|point| point.weights).collect();
+    let faces = numbers(py, path.points.iter().map(|point| point.face));
+    let positions = from_rows(py, positions)?.into_any();
+    Ok((positions, faces, from_rows(py, weights)?.into_any(), path.length))
 }

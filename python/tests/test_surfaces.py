@@ -50,6 +50,27 @@ def test_distances_by_heat_are_those_on_a_sphere():
         catamaran.distances(mesh, [0], time=-1.0)
 
 
+def test_exact_distances_and_paths_are_straight_on_a_plane():
+    v, f = mesh = shapes.grid(6, 4)
+    found = catamaran.distances(mesh, [0, 12], method="exact")
+    expected = np.linalg.norm(v[:, None] - v[[0, 12]], axis=2).min(axis=1)
+    assert np.allclose(found, expected, rtol=1e-12, atol=1e-14)
+    path = catamaran.geodesic_path(mesh, [0, 12, 33])
+    assert np.isclose(path.length, np.linalg.norm(v[12]) + np.linalg.norm(v[33] - v[12]))
+    assert np.allclose(np.einsum("ij,ijk->ik", path.weights, v[f[path.faces]]), path.points)
+    steps = np.linalg.norm(np.diff(path.points, axis=0), axis=1)
+    assert np.isclose(steps.sum(), path.length)
+    two = np.vstack([v, v + 5]), np.vstack([f, f + len(v)])
+    assert np.isinf(catamaran.distances(*two, [0], method="exact")[len(v) :]).all()
+    path = catamaran.geodesic_path(*two, [0, len(v)])
+    assert np.isinf(path.length) and path.points.shape == (0, 3)
+    for through, why in ([0], "at least two"), ([0, 35], "there is no vertex 35"):
+        with pytest.raises(ValueError, match=f"through: {why}"):
+            catamaran.geodesic_path(mesh, through)
+    with pytest.raises(ValueError, match="too short"):
+        catamaran.distances(np.zeros((3, 3)), [[0, 1, 2]], [0], method="exact")
+
+
 def test_repair_joins_a_soup():
     v, f = shapes.icosphere(1)
     soup = v[f].reshape(-1, 3), np.arange(3 * len(f)).reshape(-1, 3)

@@ -145,6 +145,10 @@ void distances() {
     const square plane(11);
     const catamaran::heat_method heat(plane.mesh());
     CHECK(std::abs(heat.distances({0})[120] - std::sqrt(2.0)) < 0.1);
+    CHECK(std::abs(catamaran::exact_distances(plane.mesh(), {0})[120] - std::sqrt(2.0)) < 1e-12);
+    const auto over = catamaran::shortest_path_over_faces(plane.mesh(), {0, 120});
+    CHECK(std::abs(over.length - std::sqrt(2.0)) < 1e-12);
+    CHECK(over.faces.size() == over.points.size() && over.weights.size() == over.points.size());
     const auto edges = catamaran::distances_along_edges(plane.mesh(), {0, 10});
     CHECK(std::abs(edges.distances[120] - 1) < 1e-12 && edges.nearest[120] == 10);
     CHECK(edges.before[0] == CATA_NO_VERTEX && edges.before[120] == 109);

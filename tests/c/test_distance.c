@@ -126,6 +126,64 @@ static void test_paths(void)
     cata_path_free(path);
 }
 
+static void test_exact(void)
+{
+    const uint32_t sources[2] = {0, SIDE - 1}, beyond = V;
+    CHECK_STATUS(cata_distance_exact(V, vertices, F, faces, 2, sources, distances, NULL), CATA_OK);
+    for (size_t v = 0; v < V; v++) {
+        CHECK(fabs(distances[v] - fmin(apart(v, 0), apart(v, SIDE - 1))) < 1e-12);
+    }
+    distances[0] = 5;
+    CHECK_STATUS(cata_distance_exact(V, vertices, F, faces, 1, &beyond, distances, NULL),
+                 CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("sources");
+    CHECK(distances[0] == 5);
+
+    /* Through three vertices, whose distances are straight. */
+    const uint32_t through[3] = {0, 5 * SIDE + 7, SIDE - 1};
+    cata_path *path = NULL;
+    double points[9 * V], weights[9 * V], length = 0, sum = 0;
+    uint32_t of[3 * V], way[3];
+    size_t n_vertices = 0, n_points = 0;
+    CHECK_STATUS(cata_distance_path_exact(V, vertices, F, faces, 3, through, NULL, &path), CATA_OK);
+    CHECK_STATUS(cata_path_size(path, &n_vertices, &n_points, &length), CATA_OK);
+    CHECK(fabs(length - apart(through[0], through[1]) - apart(through[1], through[2])) < 1e-12);
+    CHECK(n_vertices == 3 && n_points >= 3 && n_points <= 3 * V);
+    if (n_vertices == 3 && n_points <= 3 * V) {
+        CHECK_STATUS(cata_path_get(path, way, points), CATA_OK);
+        CHECK_STATUS(cata_path_places(path, of, weights), CATA_OK);
+        CHECK(memcmp(way, through, sizeof way) == 0);
+        for (size_t i = 0; i < n_points; i++) {
+            for (size_t k = 0; k < 2; k++) {
+                double x = 0;
+                for (size_t c = 0; c < 3; c++) {
+                    x += weights[3 * i + c] * vertices[3 * faces[3 * of[i] + c] + k];
+                }
+                CHECK(fabs(x - points[3 * i + k]) < 1e-12);
+            }
+            sum += i == 0 ? 0
+                          : hypot(points[3 * i] - points[3 * i - 3],
+                                  points[3 * i + 1] - points[3 * i - 2]);
+        }
+        CHECK(fabs(sum - length) < 1e-9);
+    }
+    cata_path_free(path);
+    path = NULL;
+    CHECK_STATUS(cata_distance_path_exact(V, vertices, F, faces, 1, through, NULL, &path),
+                 CATA_ERR_ARGUMENT);
+    CHECK(path == NULL);
+    CHECK_STATUS(cata_distance_path(V, vertices, F, faces, 0, 1, 0, NULL, &path), CATA_OK);
+    CHECK_STATUS(cata_path_places(path, of, weights), CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("cata_distance_path_exact");
+    cata_path_free(path);
+    /* The first face alone. */
+    CHECK_STATUS(cata_distance_path_exact(V, vertices, 1, faces, 2, &through[1], NULL, &path),
+                 CATA_OK);
+    CHECK_STATUS(cata_path_size(path, &n_vertices, &n_points, &length), CATA_OK);
+    CHECK(n_vertices == 0 && n_points == 0 && isinf(length));
+    cata_path_free(path);
+}
+
 static int32_t cancel(double fraction, void *user)
 {
     (void)fraction;
@@ -180,6 +238,7 @@ int main(void)
     test_heat();
     test_edges();
     test_paths();
+    test_exact();
     test_refusals();
     return report("test_distance");
 }

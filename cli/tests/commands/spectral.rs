@@ -487,6 +487,55 @@ fn the_shortest_path_to_a_vertex_is_reported_and_written() {
 }
 
 #[test]
+fn exact_distances_and_paths_are_those_of_the_unfolded_faces() {
+    let folder = Folder::new();
+    folder.write("rhombus.obj", "v 0 0 0\nv 1 -3 0\nv 2 0 0\nv 1 3 0\nf 1 2 3\nf 1 3 4\n");
+    let said = folder.succeed(
+        "distance rhombus.obj --from 1 --method exact --to 3,0 -o d.npy --path-output path.csv",
+    );
+    assert!(said.contains(&format!("{:.6e} in 3 straight parts", 6.0 + 10f64.sqrt())), "{said}");
+    let exact = [10f64.sqrt(), 0.0, 10f64.sqrt(), 6.0];
+    for (found, exact) in folder.read_npy::<f64>("d.npy", &[4, 1]).iter().zip(exact) {
+        assert!((found - exact).abs() < 1e-12, "{found} and not {exact}");
+    }
+    let path = std::fs::read_to_string(folder.path("path.csv")).unwrap();
+    let rows: Vec<Vec<f64>> = path
+        .lines()
+        .skip(1)
+        .map(|row| row.split(',').map(|x| x.parse().unwrap()).collect())
+        .collect();
+    // From a tip of the rhombus over the middle of its diagonal to the other, and along a side.
+    let expected = [[1.0, -3.0], [1.0, 0.0], [1.0, 3.0], [0.0, 0.0]];
+    assert!(path.starts_with("x,y,z,face,a,b,c\n") && rows.len() == 4, "{path}");
+    for (row, expected) in rows.iter().zip(expected) {
+        assert!((row[0] - expected[0]).abs() < 1e-12 && (row[1] - expected[1]).abs() < 1e-12);
+        assert!((row[4] + row[5] + row[6] - 1.0).abs() < 1e-12);
+    }
+    folder.succeed(
+        "distance rhombus.obj --from 1 --method exact --to 3 -o e.npy --path-output path.obj",
+    );
+    let line = std::fs::read_to_string(folder.path("path.obj")).unwrap();
+    assert!(line.starts_with("v 1 -3 0\n") && line.ends_with("l 1 2 3\n"), "{line}");
+    folder.write("flat.obj", "v 0 0 0\nv 0 0 0\nv 2 0 0\nf 1 2 3\n");
+    folder.write(
+        "two.obj",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 0 0\nv 6 0 0\nv 5 1 0\nf 1 2 3\nf 4 5 6\n",
+    );
+    for (line, why) in [
+        ("rhombus.obj --from 1 --to 3 -o f.npy --path-output path.csv", "for --method exact only"),
+        ("rhombus.obj --from 1 --to 4 --method exact -o f.npy", "--to: vertex 4 is out of range"),
+        ("flat.obj --from 2 --method exact -o f.npy", "too short"),
+        ("two.obj --from 0 --to 1,4 --method exact -o f.npy", "no path over faces leads through"),
+    ] {
+        let said = folder.fail(&format!("distance {line}"));
+        assert!(said.contains(why), "{said}");
+    }
+    // Along edges through several vertices.
+    let said = folder.succeed("distance rhombus.obj --from 1 --method edges --to 3,0 -o g.npy");
+    assert!(said.contains("over 3 edges"), "{said}");
+}
+
+#[test]
 fn distances_are_over_faces_or_along_edges() {
     let folder = Folder::new();
     let mesh = families::spheres(2, 3).unwrap();
@@ -517,7 +566,7 @@ fn distances_are_over_faces_or_along_edges() {
         ));
         assert_eq!(folder.read_npy::<f64>("same.npy", &[2 * n, 1]), heat);
     }
-    for method in ["heat", "edges"] {
+    for method in ["heat", "exact", "edges"] {
         let refused = folder
             .fail(&format!("distance spheres.ply --from {} --method {method} -o x.npy", 2 * n));
         assert!(

@@ -51,6 +51,7 @@ pub const LINES: &[&str] = &[
     "curve torus.obj --samples samples.txt -o curve.obj --picture p.png",
     "distance sphere.ply --from 0,7 -o d.npy",
     "distance sphere.ply --from 0,7 --method edges -o d.csv --picture p.png",
+    "distance sphere.ply --from 0 --method exact --to 7,3 -o d.npy --path-output p.csv",
     "descriptors sphere.ply --kind wks -k 10 --scales 5 -o table.npy",
     "descriptors sphere.ply --kind shot --radius 0.8 -o s.csv",
     "descriptors sphere.ply --kind rings --radius 0.8 --rings 3 --functions f.npy -o r.csv",

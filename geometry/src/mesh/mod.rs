@@ -28,7 +28,9 @@ pub use cloud::{CloudOptions, cloud_laplacian};
 pub use compare::{Comparison, OneSided};
 pub(crate) use compare::{Triangles, nearest_on_triangle, squares};
 pub(crate) use distance::Search;
-pub use distance::{Dijkstra, Graph, HeatMethod, HeatOptions, SearchLimits};
+pub use distance::{
+    Dijkstra, GeodesicPath, Geodesics, Graph, HeatMethod, HeatOptions, SearchLimits,
+};
 pub use isosurface::{Lattice, Rim, isosurface, label_surface, label_surface_by};
 pub use laplacian::{
     Boundary, Laplacian, LaplacianKind, LaplacianOptions, MassKind, free_components, laplacian,

@@ -17,7 +17,7 @@ from ._catamaran import Plan, __version__
 from ._cholesky import Cholesky, cholesky
 from ._curve import Curve, Curves, Drawn, Placed, curve, draw, place
 from ._decimate import Decimated, Difference, FarthestPoints, Origin, decimate, farthest_points
-from ._distance import ShortestPath, distances, shortest_path
+from ._distance import GeodesicPath, ShortestPath, distances, geodesic_path, shortest_path
 from ._distribution import warn_of_other
 from ._gram import SVD, LeastSquares, PrincipalComponents, lstsq, pca, svd
 from ._isosurface import isosurface, label_surface
@@ -84,6 +84,7 @@ __all__ = [
     "FarthestPoints",
     "Fractal",
     "FunctionalMap",
+    "GeodesicPath",
     "Laplacian",
     "LeastSquares",
     "Mesh",
@@ -127,6 +128,7 @@ __all__ = [
     "farthest_points",
     "free_components",
     "functional_map",
+    "geodesic_path",
     "geodesic_rings",
     "gradient",
     "grow_plant",

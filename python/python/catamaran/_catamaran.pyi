@@ -387,6 +387,9 @@ def distances(
     threads: Optional[int],
     progress: Callback,
 ) -> Array: ...
+def geodesic_path(
+    v: ArrayLike, f: ArrayLike, through: ArrayLike, progress: Callback
+) -> Tuple[Array, Array, Array, float]: ...
 def shortest_path(
     v: ArrayLike, f: ArrayLike, start: int, end: int
 ) -> Tuple[Array, Array, float]: ...

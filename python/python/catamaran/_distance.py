@@ -12,7 +12,7 @@ from ._options import Progress, callback
 from ._surface import takes_mesh
 from ._words import DistanceMethod, Kind
 
-__all__ = ["ShortestPath", "distances", "shortest_path"]
+__all__ = ["GeodesicPath", "ShortestPath", "distances", "geodesic_path", "shortest_path"]
 
 
 @takes_mesh
@@ -35,8 +35,9 @@ def distances(
         Vertices and faces.
     sources : array_like of vertices
         Where distances are 0.
-    method : {"heat", "edges"}
-        Over the surface by the heat method, which is not exact, or along edges.
+    method : {"heat", "exact", "edges"}
+        Over the surface by the heat method, which is not exact, or exactly up to rounding; or
+        along edges.
     time : float
         Of the heat method: time of the flow in units of the squared mean length of edges. A longer
         time gives smoother distances.
@@ -94,3 +95,45 @@ def shortest_path(v: ArrayLike, f: ArrayLike, start: int, end: int) -> ShortestP
     (array([0, 1, 2]), 1.0)
     """
     return ShortestPath(*_catamaran.shortest_path(v, f, start, end))
+
+
+class GeodesicPath(NamedTuple):
+    """A path of `geodesic_path`."""
+
+    #: Where it starts, crosses edges, passes vertices and ends; no rows without a path.
+    points: NDArray[np.float64]
+    #: The face of each point.
+    faces: NDArray[Any]
+    #: The barycentric coordinates of each point in its face.
+    weights: NDArray[np.float64]
+    #: Its length; infinite without a path.
+    length: float
+
+
+@takes_mesh
+def geodesic_path(
+    v: ArrayLike, f: ArrayLike, through: ArrayLike, *, progress: Progress = None
+) -> GeodesicPath:
+    """Find the shortest path over faces that leads through vertices in their order.
+
+    Parameters
+    ----------
+    v, f : array_like, n x 3 and m x 3
+        Vertices and faces.
+    through : array_like of vertices
+        At least two: the first and the last are the ends.
+    progress
+        As in `ata`.
+
+    Returns
+    -------
+    GeodesicPath
+
+    Examples
+    --------
+    >>> import catamaran
+    >>> path = catamaran.geodesic_path(catamaran.shapes.grid(1, 1), [1, 2])
+    >>> len(path.points), round(path.length, 6)
+    (3, 1.414214)
+    """
+    return GeodesicPath(*_catamaran.geodesic_path(v, f, through, callback(progress)))

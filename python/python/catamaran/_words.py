@@ -30,7 +30,7 @@ __all__ = [
 #: A word, or the factor that errors may grow by.
 Accuracy = Union[Literal["default", "max", "classical", "fast"], float]
 Boundary = Literal["neumann", "dirichlet"]
-DistanceMethod = Literal["heat", "edges"]
+DistanceMethod = Literal["heat", "exact", "edges"]
 FileFormat = Literal["npy", "mtx", "table", "parquet", "arrow"]
 Gradient = Literal["thesis", "shader"]
 Kind = Literal["cotangent", "intrinsic", "tufted"]

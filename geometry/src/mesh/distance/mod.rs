@@ -1,8 +1,10 @@
-//! Distances on meshes: along edges ([`Dijkstra`]), and over the surface ([`HeatMethod`]).
+//! Distances on meshes: along edges ([`Dijkstra`]), and over the surface, exactly
+//! ([`Geodesics`]) or not ([`HeatMethod`]).
 
 mod bounds;
 mod dijkstra;
 mod finer;
+mod geodesics;
 mod graph;
 mod heat;
 mod search;
@@ -10,6 +12,7 @@ mod search;
 mod tests;
 
 pub use dijkstra::{Dijkstra, SearchLimits};
+pub use geodesics::{GeodesicPath, Geodesics};
 pub use graph::Graph;
 pub use heat::{HeatMethod, HeatOptions};
 pub(crate) use search::Search;
