@@ -84,12 +84,13 @@ fn output(program: &str, arguments: &[&str]) -> String {
         .map_or_else(|_| "unknown".into(), |o| String::from_utf8_lossy(&o.stdout).trim().to_owned())
 }
 
+/// Kernels of BLIS, by their numbers: BLIS 0.9 takes any name for 0.
+const BLIS_SKX: (&str, &str) = ("BLIS_ARCH_TYPE", "0");
+const BLIS_HASWELL: (&str, &str) = ("BLIS_ARCH_TYPE", "3");
+
 /// The variables that limit rivals to AVX2, as `CATAMARAN_ISA=avx2` limits ours. faer has none.
-const AVX2_KERNELS: [(&str, &str); 3] = [
-    ("MKL_ENABLE_INSTRUCTIONS", "AVX2"),
-    ("OPENBLAS_CORETYPE", "Haswell"),
-    ("BLIS_ARCH_TYPE", "haswell"),
-];
+const AVX2_KERNELS: [(&str, &str); 3] =
+    [("MKL_ENABLE_INSTRUCTIONS", "AVX2"), ("OPENBLAS_CORETYPE", "Haswell"), BLIS_HASWELL];
 
 /// Restarts this program when the environment is not the one that the rivals need: most read it
 /// when they are loaded, and setting it in a running process is too late.
@@ -114,7 +115,7 @@ pub fn with_environment_for_rivals(folder: &Path, openblas: Kernels) -> Result<(
         wanted.extend(AVX2_KERNELS);
     } else {
         if intel_avx512() && std::env::var_os("BLIS_ARCH_TYPE").is_none() {
-            wanted.push(("BLIS_ARCH_TYPE", "skx"));
+            wanted.push(BLIS_SKX);
         }
         match openblas {
             Kernels::OfOldLibrary if intel_avx512() => {
