@@ -149,11 +149,12 @@ pub struct Args {
     day_night: bool,
     #[arg(
         long,
-        value_name = "W,STEEPNESS",
+        value_name = "W,STEEPNESS[,CUTICULAR]",
         value_parser = watering::stomata,
         help = format!(
             "Close stomata as leaves dry: they are half closed at the relative water content W, \
-             and close more abruptly with a larger STEEPNESS; {},{} is usual",
+             and close more abruptly with a larger STEEPNESS; {},{} is usual. Through the cuticle \
+             full leaves lose the part CUTICULAR of --delta, 0 by default",
             Stomata::default().half,
             Stomata::default().steepness
         )

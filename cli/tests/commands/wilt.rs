@@ -167,7 +167,7 @@ fn values_out_of_range_are_named_as_they_were_given() {
         ("--steepest-at <W>", "nan", "expected a finite number"),
         ("--elasticity <FULL,DRY>", "inf,1", "expected two numbers"),
         ("--conductance <CHI>", "0", above_zero),
-        ("--stomata <W,STEEPNESS>", "0.5,-1", "a steepness of at least 0"),
+        ("--stomata <W,STEEPNESS[,CUTICULAR]>", "0.5,-1", "a steepness of at least 0"),
         ("--soil <GRAMS[,AT_FIRST]>", "1,2", "AT_FIRST from 0 to GRAMS"),
         ("--soil <GRAMS[,AT_FIRST]>", "-1", "GRAMS above 0"),
         ("--rewater <HOURS[:GRAMS]>", "-3", "both at least 0"),
