@@ -16,7 +16,10 @@ mod wilt;
 mod wind;
 
 pub use elasticity::Elasticity;
-pub use fit::{Estimate, Fit, FitOptions, Mark, Measurements, OtherSteepness, OtherWater, fit};
+pub use fit::{
+    Air, DryingLeaf, Estimate, Fit, FitOptions, FittedLeaf, LeafOptions, LeavesFit, Mark,
+    Measurements, OtherSteepness, OtherWater, air_demand, fit, fit_leaves, turgor_loss_point,
+};
 pub use graph::{Plant, Segment};
 pub use parts::Part;
 pub use read::{PlantFormat, read, read_bytes, read_individual, read_with};
