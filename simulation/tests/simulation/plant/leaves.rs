@@ -1,7 +1,5 @@
 //! Conductances and the closing of stomata from the weights of drying leaves.
 
-use std::collections::BTreeMap;
-
 use crate::common::data;
 use catamaran::base::Rng;
 use catamaran_simulation::plant::*;
@@ -147,134 +145,46 @@ fn inconsistent_leaves_are_refused_by_name() {
     assert!(fit_leaves(&[leaf()], &LeafOptions::new().instrument(0.0)).is_err());
 }
 
-/// Returns the rows of a table with the cells of some columns.
-fn rows<const N: usize>(text: &str, columns: [&str; N]) -> Vec<[String; N]> {
-    let cells = |line: &str| -> Vec<String> { line.split(',').map(String::from).collect() };
-    let header = cells(text.lines().next().unwrap());
-    let at = columns.map(|name| header.iter().position(|cell| cell == name).unwrap());
-    let row = |line: &str| {
-        let line = cells(line);
-        at.map(|column| line[column].clone())
-    };
-    text.lines().skip(1).map(row).collect()
-}
-
-/// Returns the seconds of a day and time such as `2019-03-26 08:48:00` since the first of its
-/// month.
-fn seconds(text: &str) -> f64 {
-    let part = |range: std::ops::Range<usize>| text[range].parse::<f64>().unwrap();
-    86_400.0 * part(8..10) + 3600.0 * part(11..13) + 60.0 * part(14..16) + part(17..19)
-}
-
 /// Leaves of kohlrabi (the R package pvldcurve): eight are fitted, four are not.
 #[test]
 fn real_leaves_dry_as_the_model_says() {
     let Some(folder) = data("plants/leaves") else { return };
-    let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
-    let air: Vec<Air> =
-        rows(&read("weather_data.csv"), ["date.and.time", "temperature", "humidity"])
-            .iter()
-            .map(|[time, celsius, humidity]| Air {
-                seconds: seconds(time),
-                celsius: celsius.parse().unwrap(),
-                humidity: 0.01 * humidity.parse::<f64>().unwrap(),
-            })
-            .collect();
-    let columns = [
-        "treatment",
-        "sample",
-        "dry.weight",
-        "fresh.weight.saturated",
-        "leaf.area",
-        "date.and.time",
-        "fresh.weight",
-        "fw.plateau",
-    ];
-    let mut leaves: BTreeMap<usize, (String, DryingLeaf)> = BTreeMap::new();
-    for [treatment, sample, dry, saturated, area, time, weight, plateau] in
-        rows(&read("leaf_drying_data.csv"), columns)
-    {
-        if plateau == "yes" {
-            continue;
-        }
-        let number = |text: &str| text.parse::<f64>().unwrap();
-        let new = || DryingLeaf {
-            name: sample.clone(),
-            dry: 1e-3 * number(&dry),
-            saturated: 1e-3 * number(&saturated),
-            area: 1e-4 * number(&area),
-            ..DryingLeaf::default()
-        };
-        let (_, leaf) = leaves.entry(sample.parse().unwrap()).or_insert((treatment, new()));
-        leaf.demand.push(seconds(&time));
-        leaf.weights.push(1e-3 * number(&weight));
-    }
-    for (_, leaf) in leaves.values_mut() {
-        leaf.demand = air_demand(&air, &leaf.demand).unwrap();
-    }
-    let mut curves: BTreeMap<(String, String), Vec<[f64; 2]>> = BTreeMap::new();
-    let columns = [
-        "treatment",
-        "sample",
-        "fresh.weight",
-        "dry.weight",
-        "fresh.weight.saturated",
-        "water.potential",
-    ];
-    for [treatment, sample, fresh, dry, saturated, potential] in
-        rows(&read("pressure_volume_data.csv"), columns)
-    {
-        let [fresh, dry, saturated, potential] =
-            [fresh, dry, saturated, potential].map(|text| text.parse::<f64>().unwrap());
-        let point = [(fresh - dry) / (saturated - dry), potential];
-        curves.entry((treatment, sample)).or_default().push(point);
-    }
-    assert_eq!(leaves.len(), 12);
-    let (mut first, mut count) = (0.0, 0);
-    for treatment in ["10%", "40%"] {
-        let points: Vec<f64> = curves
-            .iter()
-            .filter(|((of, _), _)| of == treatment)
-            .filter_map(|(_, curve)| turgor_loss_point(curve).ok())
-            .map(|point| point.value)
-            .collect();
-        assert!(points.len() >= 6, "{points:?}");
-        let mean = points.iter().sum::<f64>() / points.len() as f64;
-        let squares = points.iter().map(|point| (point - mean).powi(2)).sum::<f64>();
-        let deviation = (squares / (points.len() - 1) as f64).sqrt();
-        assert!((0.83..0.93).contains(&mean), "{mean}");
-        let prior = Some(Estimate { value: mean, error: deviation });
-        let options = LeafOptions::new().prior(prior);
-        let of = |range: std::ops::RangeInclusive<usize>| -> Vec<DryingLeaf> {
-            leaves
-                .range(range)
-                .filter(|(_, (of, _))| of == treatment)
-                .map(|(_, (_, leaf))| leaf.clone())
-                .collect()
-        };
-        let (seen, unseen) = (of(1..=8), of(9..=12));
+    let paths = ["leaf_drying_data.csv", "weather_data.csv", "pressure_volume_data.csv"]
+        .map(|name| folder.join(name));
+    let texts = paths.each_ref().map(|path| std::fs::read_to_string(path).unwrap());
+    let [drying, air, curves] = [0, 1, 2].map(|i| LeafTable { path: &paths[i], text: &texts[i] });
+    let groups = read_leaves(drying, air, Some(curves)).unwrap();
+    assert_eq!(groups.len(), 2);
+    let (mut squares, mut count) = (0.0, 0.0);
+    for group in &groups {
+        assert_eq!(group.leaves.len(), 6);
+        assert!(group.turgor_loss.len() >= 6, "{:?}", group.notes);
+        let prior = group.prior().unwrap();
+        assert!((0.83..0.93).contains(&prior.value), "{prior:?}");
+        let options = LeafOptions::new().prior(Some(prior));
+        let is_seen = |leaf: &DryingLeaf| leaf.name.parse::<usize>().unwrap() <= 8;
+        let (seen, unseen): (Vec<_>, Vec<_>) = group.leaves.iter().cloned().partition(is_seen);
         let found = fit_leaves(&seen, &options).unwrap();
-        // In g: .007 of all eight.
         assert!(found.leaves.iter().all(|leaf| leaf.rms < 0.04e-3), "{:?}", found.leaves);
         assert!(found.rms < 0.01e-3, "{}", found.rms);
-        // The cuticle of kohlrabi, 1 to 3 mmol / (m^2 s) of one side, and not at a bound.
+        // The cuticle of one side, in mol / (m^2 s), and not at a bound.
         let Estimate { value, error } = found.cuticular;
         assert!((0.5e-3..4e-3).contains(&value) && error < 0.25 * value, "{value} {error}");
         for leaf in &found.leaves {
             // Stomata close where cells lose their pressure.
-            assert!((leaf.closing.value - mean).abs() < 3.0 * deviation, "{leaf:?} {mean}");
+            assert!((leaf.closing.value - prior.value).abs() < 3.0 * prior.error, "{leaf:?}");
         }
-        // The scale reads a tenth of a milligram, so that the model is a misfit.
+        // The scale shows a tenth of a milligram: the model is not all that happened.
         assert!(found.warnings[0].contains("times the error of the scale"));
         for leaf in &unseen {
             let rms = found.unseen(leaf, usize::MAX, &options).unwrap().rms;
             assert!(rms < 0.08e-3, "leaf {}: {rms}", leaf.name);
+            // The whole curve, from the first five weights.
             let early = found.unseen(leaf, 5, &options).unwrap();
-            first += early.rms.powi(2) * leaf.weights.len() as f64;
-            count += leaf.weights.len();
+            squares += early.rms.powi(2) * leaf.weights.len() as f64;
+            count += leaf.weights.len() as f64;
         }
     }
-    // From the first five weights of each unseen leaf.
-    let first = (first / f64::from(count as u32)).sqrt();
-    assert!(first < 0.08e-3, "{first}");
+    let early: f64 = (squares / count).sqrt();
+    assert!(early < 0.08e-3, "{early}");
 }
