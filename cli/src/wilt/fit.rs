@@ -181,7 +181,8 @@ impl Fitted<'_> {
     }
 }
 
-fn write(mut output: Output, text: &str) -> Result<()> {
+/// Writes a text.
+pub fn write(mut output: Output, text: &str) -> Result<()> {
     output.write_all(text.as_bytes()).map_err(|e| output.error(e))?;
     Ok(output.commit()?)
 }

@@ -6,6 +6,9 @@ use std::path::Path;
 use super::super::fit::{Air, DryingLeaf, Estimate, air_demand, turgor_loss_point};
 use catamaran::base::{Error, Result};
 
+/// The name of the group of a table without treatments.
+const ALL: &str = "all";
+
 /// A table of comma-separated values, and the name of its file for errors.
 #[derive(Debug, Clone, Copy)]
 pub struct LeafTable<'a> {
@@ -19,7 +22,7 @@ pub struct LeafTable<'a> {
 #[derive(Debug, Clone, PartialEq, Default)]
 #[non_exhaustive]
 pub struct LeafGroup {
-    /// The treatment; empty if the table has none.
+    /// The treatment; `all` if the table has none.
     pub name: String,
     /// The leaves, in the order of the table.
     pub leaves: Vec<DryingLeaf>,
@@ -60,7 +63,9 @@ impl LeafGroup {
 /// use std::path::Path;
 /// use catamaran_simulation::plant::{LeafTable, read_leaves};
 ///
-/// let table = |path, text| LeafTable { path: Path::new(path), text };
+/// fn table<'a>(path: &'a str, text: &'a str) -> LeafTable<'a> {
+///     LeafTable { path: Path::new(path), text }
+/// }
 /// let drying = table(
 ///     "leaves.csv",
 ///     "sample,dry.weight,fresh.weight.saturated,leaf.area,date.and.time,fresh.weight\n\
@@ -95,7 +100,7 @@ pub fn read_leaves(
         if plateau.is_some_and(|column| row.cells[column] == "yes") {
             continue;
         }
-        let group = group(&mut groups, treatment.map_or("", |column| row.cells[column]));
+        let group = group(&mut groups, treatment.map_or(ALL, |column| row.cells[column]));
         let name = row.cells[sample];
         let (grams, square_centimeters) = (1e-3, 1e-4);
         let read = DryingLeaf {
@@ -148,7 +153,7 @@ fn read_air(table: LeafTable<'_>) -> Result<Vec<Air>> {
     const PERCENT: f64 = 0.01;
     let table = Table::new(table)?;
     let [time, celsius, humidity] = table.columns(["date.and.time", "temperature", "humidity"])?;
-    let of = |row: &Row<'_>| {
+    let of = |row: &Row<'_>| -> Result<Air> {
         let humidity = PERCENT * table.number(row, humidity)?;
         Ok(Air {
             seconds: table.seconds(row, time)?,
@@ -179,7 +184,7 @@ fn read_curves(table: LeafTable<'_>, groups: &mut [LeafGroup]) -> Result<()> {
             let what = "the dry weight must be below the fresh and the saturated weight";
             return Err(table.wrong(row, what.into()));
         }
-        let name = [treatment.map_or("", |column| row.cells[column]), row.cells[sample]];
+        let name = [treatment.map_or(ALL, |column| row.cells[column]), row.cells[sample]];
         let point = [(fresh - dry) / (saturated - dry), potential?];
         curves.entry(name).or_default().push(point);
     }
@@ -306,7 +311,9 @@ mod tests {
             "sample,dry.weight,fresh.weight.saturated,leaf.area,date.and.time,fresh.weight";
         let air = "date.and.time,temperature,humidity\n\
                    2019-03-26 00:00:00,20,40\n2019-03-27 00:00:00,24,30\n";
-        let table = |path, text| LeafTable { path: Path::new(path), text };
+        fn table<'a>(path: &'a str, text: &'a str) -> LeafTable<'a> {
+            LeafTable { path: Path::new(path), text }
+        }
         let says = |rows: &str, part: &str| {
             let text = format!("{header}\n{rows}");
             let refused = read_leaves(table("l.csv", &text), table("a.csv", air), None);
