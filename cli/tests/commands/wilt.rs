@@ -531,13 +531,13 @@ fn another_minimum_that_fits_as_well_is_warned_of() {
     assert!(other.is_some_and(|line| line.ends_with(",,g/(h m^2)")), "{table}");
 }
 
-/// The tables of two leaves of a treatment and a third one that dry for 14 hours by `rate`, in g/s
-/// at first.
+/// Writes the tables of leaves that dry for 14 hours, as the guide names them.
 fn leaf_tables(folder: &Folder) {
     let mut text = "treatment,sample,dry.weight,fresh.weight.saturated,leaf.area,date.and.time,\
                     fresh.weight\n"
         .to_string();
-    for (sample, rate) in [("A", 6e-4), ("B", 5e-4), ("C", 5.5e-4)] {
+    let leaves = [(1, 6e-4), (2, 5e-4), (9, 5.5e-4), (10, 5.2e-4), (11, 5.8e-4), (12, 5.4e-4)];
+    for (sample, rate) in leaves {
         for i in 0..15 {
             // The stomata close with a time constant of an hour; the cuticle loses a tenth.
             let hours = f64::from(i);
@@ -550,6 +550,17 @@ fn leaf_tables(folder: &Folder) {
     let air = "date.and.time,temperature,humidity\n\
                2019-03-26 00:00:00,25,45\n2019-03-27 00:00:00,25,45\n";
     folder.write("air.csv", air);
+    let mut text = "treatment,sample,dry.weight,fresh.weight.saturated,fresh.weight,\
+                    water.potential\n"
+        .to_string();
+    for (sample, point) in [(1, 0.86), (2, 0.88), (3, 0.84)] {
+        for i in 0..10 {
+            let w = 0.7 + 0.03 * f64::from(i);
+            let potential = -1.2 * 0.8 / (w - 0.2) + 5.0 * f64::max(w - point, 0.0);
+            text += &format!("wet,{sample},0.5,6,{},{potential}\n", 0.5 + 5.5 * w);
+        }
+    }
+    folder.write("curves.csv", text);
 }
 
 #[test]
@@ -557,15 +568,23 @@ fn leaves_are_fitted_by_treatment_and_an_unseen_one_follows() {
     let folder = Folder::new();
     leaf_tables(&folder);
     let run = "wilt --fit leaves.csv --weather air.csv";
-    let said = folder.succeed(&format!("{run} --unseen C -o fit"));
-    for part in ["cuticle", "open", "half closed at", "unseen", "times the error of the scale"] {
+    let said =
+        folder.succeed(&format!("{run} --pressure-volume curves.csv --unseen 9,10,11,12 -o fit"));
+    for part in [
+        "cuticle",
+        "turgor lost at 0.860",
+        "open",
+        "half closed at",
+        "unseen",
+        "times the error of the scale",
+    ] {
         assert!(said.contains(part), "{part}: {said}");
     }
     let text = std::fs::read_to_string(folder.path("fit/fit.csv")).unwrap();
     assert!(text.starts_with("treatment,leaf,constant,value,standard_error,unit\n"), "{text}");
-    assert_eq!(text.lines().count(), 1 + 2 + 3 * 2, "{text}");
+    assert_eq!(text.lines().count(), 1 + 2 + 6 * 2, "{text}");
     let text = std::fs::read_to_string(folder.path("fit/fitted.csv")).unwrap();
-    assert_eq!(text.lines().filter(|line| line.starts_with("wet,C,unseen,")).count(), 15);
+    assert_eq!(text.lines().filter(|line| line.starts_with("wet,9,unseen,")).count(), 15);
     assert_eq!(text.lines().filter(|line| line.contains(",fitted,")).count(), 30);
     for line in text.lines().skip(1) {
         let difference: f64 = line.rsplit(',').next().unwrap().parse().unwrap();
@@ -590,9 +609,9 @@ fn leaves_are_fitted_by_treatment_and_an_unseen_one_follows() {
     fails("--grow 9 --fit leaves.csv --unseen A", "--weather");
     let text = std::fs::read_to_string(folder.path("leaves.csv")).unwrap();
     folder.write("dry.csv", &text.replace("0.5,6,120", "7,6,120"));
-    fails("--fit dry.csv --weather air.csv", "A: its dry weight must be at least 0 and below");
+    fails("--fit dry.csv --weather air.csv", "1: its dry weight must be at least 0 and below");
     folder.write("area.csv", &text.replace("0.5,6,120", "0.5,6,-120"));
-    fails("--fit area.csv --weather air.csv", "A: its area must be positive");
+    fails("--fit area.csv --weather air.csv", "1: its area must be positive");
 }
 
 #[test]
@@ -655,6 +674,7 @@ fn the_commands_of_the_guide_run() {
     }
     folder.write("measured.csv", &weights);
     folder.write("heights.csv", &heights);
+    leaf_tables(&folder);
     let guide = include_str!("../../../docs/guide/plants.md");
     for line in calls(guide) {
         folder.succeed(line);
