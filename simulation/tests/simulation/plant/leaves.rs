@@ -166,7 +166,7 @@ fn real_leaves_dry_as_the_model_says() {
         let (seen, unseen): (Vec<_>, Vec<_>) = group.leaves.iter().cloned().partition(is_seen);
         let found = fit_leaves(&seen, &options).unwrap();
         assert!(found.leaves.iter().all(|leaf| leaf.rms < 0.04e-3), "{:?}", found.leaves);
-        assert!(found.rms < 0.01e-3, "{}", found.rms);
+        assert!(found.rms < 0.012e-3, "{}", found.rms);
         // The cuticle of one side, in mol / (m^2 s), and not at a bound.
         let Estimate { value, error } = found.cuticular;
         assert!((0.5e-3..4e-3).contains(&value) && error < 0.25 * value, "{value} {error}");
