@@ -80,7 +80,8 @@ fn header(cells: &[&str], measured: &mut Measurements) -> Result<Vec<Column>> {
                 Column::Mark(measured.marks.len() - 1)
             }
             _ => bail!(
-                "expected time_h,weight_g, then height_m or columns such as node_12_m, not {cell:?}"
+                "expected time_h,weight_g, then height_m or columns such as node_12_m, not {cell:?} \
+                 (tables of leaves need --weather)"
             ),
         });
     }
