@@ -32,6 +32,7 @@ pub const OPTIONS: &[(&str, &[catamaran::base::Field])] = &[
     ("plant::Wind", plant::Wind::FIELDS),
     ("plant::SwayOptions", plant::SwayOptions::FIELDS),
     ("plant::FitOptions", plant::FitOptions::FIELDS),
+    ("plant::LeafOptions", plant::LeafOptions::FIELDS),
     ("texture::Finish", texture::Finish::FIELDS),
     ("texture::newton::NewtonOptions", texture::newton::NewtonOptions::FIELDS),
     ("texture::slime::Options", texture::slime::Options::FIELDS),

@@ -2,7 +2,9 @@
 
 mod accuracy;
 mod figures;
+mod leaves;
 mod part;
+mod pvldcurve;
 mod race;
 #[allow(dead_code)] // tests have more of it
 #[path = "../../../simulation/tests/simulation/plant/reference.rs"]
@@ -15,6 +17,7 @@ mod weights;
 
 pub use accuracy::accuracy;
 pub use figures::{cut, errors_by_conductance, errors_over_time, grid, sections, total_water};
+pub use leaves::leaves;
 pub use part::Part;
 pub use race::race;
 pub use shapes::{hanging, held, naive};

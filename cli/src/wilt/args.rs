@@ -6,11 +6,12 @@ use anyhow::{Context, Result, bail};
 use catamaran::Par;
 use catamaran_simulation::plant::families::{GrowthOptions, grow};
 use catamaran_simulation::plant::{
-    Conductivity, Elasticity, FitOptions, MotionOptions, Plant, Segment, Soil, Stomata, Tissue,
-    WaterOptions, Wind, read_individual, read_with,
+    Conductivity, Elasticity, FitOptions, LeafOptions, MotionOptions, Plant, Segment, Soil,
+    Stomata, Tissue, WaterOptions, Wind, read_individual, read_with,
 };
 use clap::{ArgGroup, ValueEnum, ValueHint};
 
+use super::leaves::Request;
 use super::simulation::{Film, Weather};
 use super::stiffness::{ByRadius, Kappa, tissue, used};
 use super::watering::{self, Pour};
@@ -20,6 +21,9 @@ use crate::defaults::{Numbers, stated};
 use crate::input::{self, TextFile};
 use crate::parse;
 use crate::report::note;
+
+/// Grams in a kilogram.
+const GRAMS: f64 = 1e3;
 
 /// The grams of water at which the elasticity of --literal is steepest, by default.
 const LITERAL_SHIFT: f64 = 0.0;
@@ -45,6 +49,21 @@ const NOT_FITTED: [&str; 17] = [
     "mesh",
 ];
 
+/// The options that a fit to leaves, which has no plant, has no use for.
+const NOT_OF_LEAVES: [&str; 11] = [
+    "plant",
+    "individual",
+    "unit",
+    "grow",
+    "kappa",
+    "kappa_by_radius",
+    "steepest_at",
+    "elasticity",
+    "day_night",
+    "hold",
+    "seed",
+];
+
 /// Simulate a plant that dries and bends.
 ///
 /// Computes the water of every node by the model of chapter 4 of the thesis, the stiffness that
@@ -57,7 +76,7 @@ const NOT_FITTED: [&str; 17] = [
 pub struct Args {
     /// The plant: .txt (`verts N`, ...), .swc, .mtg or .obj (polylines), each also packed (.gz,
     /// .xz, .zst, .zip).
-    #[arg(value_name = "PLANT", required_unless_present = "grow")]
+    #[arg(value_name = "PLANT", required_unless_present_any = ["grow", "weather"])]
     plant: Option<PathBuf>,
     /// The name of one of several plants in an .mtg file, such as P3.
     #[arg(long, value_name = "NAME", conflicts_with = "grow")]
@@ -149,11 +168,12 @@ pub struct Args {
     day_night: bool,
     #[arg(
         long,
-        value_name = "W,STEEPNESS",
+        value_name = "W,STEEPNESS[,CUTICULAR]",
         value_parser = watering::stomata,
         help = format!(
             "Close stomata as leaves dry: they are half closed at the relative water content W, \
-             and close more abruptly with a larger STEEPNESS; {},{} is usual",
+             and close more abruptly with a larger STEEPNESS; {},{} is usual. Through the cuticle \
+             full leaves lose the part CUTICULAR of --delta, 0 by default",
             Stomata::default().half,
             Stomata::default().steepness
         )
@@ -233,6 +253,42 @@ pub struct Args {
         conflicts_with_all = NOT_FITTED
     )]
     pub fit: Option<TextFile>,
+    /// Fit leaves that were cut and dry on a scale, instead of a plant: --fit is then a table of
+    /// weights, and this one of the air around them. Columns are those of the R package pvldcurve:
+    /// sample, dry.weight, fresh.weight.saturated and fresh.weight in g, leaf.area of one side in
+    /// cm^2, date.and.time, and optionally treatment and fw.plateau; here date.and.time, temperature
+    /// in degrees Celsius and humidity in %. Leaves of a treatment share the conductance of the
+    /// cuticle and the steepness of the closing of stomata.
+    #[arg(
+        long,
+        value_name = "TABLE",
+        value_hint = ValueHint::FilePath,
+        requires = "fit",
+        conflicts_with_all = NOT_OF_LEAVES
+    )]
+    weather: Option<TextFile>,
+    /// Pressure-volume curves of leaves of the same treatments: stomata close near the points where
+    /// their turgor is lost. Columns are sample, fresh.weight, dry.weight, fresh.weight.saturated,
+    /// water.potential and optionally treatment.
+    #[arg(
+        long,
+        value_name = "TABLE",
+        value_hint = ValueHint::FilePath,
+        requires = "weather"
+    )]
+    pressure_volume: Option<TextFile>,
+    /// Leaves of --fit that are not fitted: the model of the others predicts them.
+    #[arg(long, value_name = "SAMPLE,...", value_delimiter = ',', requires = "weather")]
+    unseen: Vec<String>,
+    /// The error of a weight of leaves, in g. Larger differences from the model are warned of.
+    #[arg(
+        long,
+        value_name = "GRAMS",
+        default_value_t = rounded_grams(LeafOptions::default().instrument),
+        requires = "weather",
+        value_parser = parse::positive
+    )]
+    instrument: f64,
     /// Format of the meshes.
     #[arg(long, default_value = "ply")]
     mesh: Kind,
@@ -275,6 +331,11 @@ fn conductance() -> Numbers<1> {
 /// Converts a loss from kg / (s m^2) to g / (h m^2).
 fn per_hour(loss: f64) -> f64 {
     3.6e6 * loss
+}
+
+/// Converts kg to g, rounded to a microgram.
+fn rounded_grams(kilograms: f64) -> f64 {
+    (1e9 * kilograms).round() / 1e6
 }
 
 /// Formats of meshes.
@@ -449,6 +510,17 @@ impl Args {
             |velocity| Wind::new().velocity(velocity).turbulence(self.turbulence).seed(self.seed);
         let motion = MotionOptions::new().step(1.0 / self.steps_per_second).damping(self.damping);
         Ok(Some(Film { seconds, motion, wind: self.wind.map(wind) }))
+    }
+
+    /// Returns what is fitted to leaves, if leaves are to be fitted instead of a plant.
+    pub fn leaves(&self) -> Option<Request<'_>> {
+        Some(Request {
+            drying: self.fit.as_ref()?,
+            weather: self.weather.as_ref()?,
+            curves: self.pressure_volume.as_ref(),
+            unseen: &self.unseen,
+            instrument: self.instrument / GRAMS,
+        })
     }
 
     /// Returns the options of the fit.

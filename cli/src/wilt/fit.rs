@@ -80,7 +80,8 @@ fn header(cells: &[&str], measured: &mut Measurements) -> Result<Vec<Column>> {
                 Column::Mark(measured.marks.len() - 1)
             }
             _ => bail!(
-                "expected time_h,weight_g, then height_m or columns such as node_12_m, not {cell:?}"
+                "expected time_h,weight_g, then height_m or columns such as node_12_m, not {cell:?} \
+                 (tables of leaves need --weather)"
             ),
         });
     }
@@ -181,7 +182,8 @@ impl Fitted<'_> {
     }
 }
 
-fn write(mut output: Output, text: &str) -> Result<()> {
+/// Writes a text.
+pub fn write(mut output: Output, text: &str) -> Result<()> {
     output.write_all(text.as_bytes()).map_err(|e| output.error(e))?;
     Ok(output.commit()?)
 }

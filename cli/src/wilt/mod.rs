@@ -4,6 +4,7 @@ mod animation;
 mod args;
 mod curves;
 mod fit;
+mod leaves;
 mod simulation;
 mod stiffness;
 mod strip;
@@ -39,6 +40,12 @@ pub fn run(args: &Args) -> Result<()> {
     let names = args.names();
     names.iter().try_for_each(|name| args.force.check(&args.output.join(name)))?;
     let _folder = Folder::create(&args.output, &names[0])?;
+    let file = |name: &str| args.force.create(&args.output.join(name));
+    if let Some(request) = args.leaves() {
+        let groups = leaves::read(&request)?;
+        leaves::run(&groups, &request)?.write(file)?;
+        return report_written(args, names.len());
+    }
     let plant = args.plant()?;
     let leaves = plant.segments().iter().filter(|s| s.leaf).count();
     let nodes = plant.len();
@@ -51,7 +58,6 @@ pub fn run(args: &Args) -> Result<()> {
     if leaves == 0 {
         note(format_args!("{}: no leaves, which alone lose water: nothing wilts", args.name()));
     }
-    let file = |name: &str| args.force.create(&args.output.join(name));
     if let Some(table) = &args.fit {
         let measured = fit::read(table)?;
         let (tissue, classes) = args.tissue(&plant)?;

@@ -12,15 +12,19 @@ use crate::parse;
 /// Grams in a kilogram.
 const GRAMS: f64 = 1e3;
 
-/// Parses `W,STEEPNESS`.
+/// Parses `W,STEEPNESS` or `W,STEEPNESS,CUTICULAR`.
 pub fn stomata(text: &str) -> Result<Stomata, String> {
-    let numbers = text.split_once(',').map(|(w, s)| (parse::finite(w), parse::at_least_zero(s)));
-    let stomata = match numbers {
-        Some((Ok(half), Ok(steepness))) => Some(Stomata::new().half(half).steepness(steepness)),
+    let numbers: Option<Vec<f64>> = text.split(',').map(|x| parse::finite(x).ok()).collect();
+    let stomata = |half, steepness| Stomata::new().half(half).steepness(steepness);
+    let stomata = match numbers.as_deref() {
+        Some(&[half, steepness]) if steepness >= 0.0 => Some(stomata(half, steepness)),
+        Some(&[half, steepness, share]) if steepness >= 0.0 && (0.0..=1.0).contains(&share) => {
+            Some(stomata(half, steepness).cuticular(share))
+        }
         _ => None,
     };
-    let expected =
-        "expected a relative water content and a steepness of at least 0, such as 0.8,25";
+    let expected = "expected a relative water content, a steepness of at least 0 and, if there is \
+                    one, a cuticular share from 0 to 1, such as 0.8,25 or 0.8,25,0.03";
     // A large product of both overflows.
     stomata.filter(|stomata| stomata.openness(1.0).is_finite()).ok_or_else(|| expected.into())
 }

@@ -167,7 +167,7 @@ fn values_out_of_range_are_named_as_they_were_given() {
         ("--steepest-at <W>", "nan", "expected a finite number"),
         ("--elasticity <FULL,DRY>", "inf,1", "expected two numbers"),
         ("--conductance <CHI>", "0", above_zero),
-        ("--stomata <W,STEEPNESS>", "0.5,-1", "a steepness of at least 0"),
+        ("--stomata <W,STEEPNESS[,CUTICULAR]>", "0.5,-1", "a steepness of at least 0"),
         ("--soil <GRAMS[,AT_FIRST]>", "1,2", "AT_FIRST from 0 to GRAMS"),
         ("--soil <GRAMS[,AT_FIRST]>", "-1", "GRAMS above 0"),
         ("--rewater <HOURS[:GRAMS]>", "-3", "both at least 0"),
@@ -531,6 +531,89 @@ fn another_minimum_that_fits_as_well_is_warned_of() {
     assert!(other.is_some_and(|line| line.ends_with(",,g/(h m^2)")), "{table}");
 }
 
+/// Writes the tables of leaves that dry for 14 hours, as the guide names them.
+fn leaf_tables(folder: &Folder) {
+    let mut text = "treatment,sample,dry.weight,fresh.weight.saturated,leaf.area,date.and.time,\
+                    fresh.weight\n"
+        .to_string();
+    let leaves = [(1, 6e-4), (2, 5e-4), (9, 5.5e-4), (10, 5.2e-4), (11, 5.8e-4), (12, 5.4e-4)];
+    for (sample, rate) in leaves {
+        for i in 0..15 {
+            // The stomata close with a time constant of an hour; the cuticle loses a tenth.
+            let hours = f64::from(i);
+            let lost = 3600.0 * rate * (0.3 * (1.0 - (-hours).exp()) + 0.01 * hours);
+            let time = format!("2019-03-26 {:02}:00:00", 8 + i);
+            text += &format!("wet,{sample},0.5,6,120,{time},{}\n", 6.0 - lost);
+        }
+    }
+    folder.write("leaves.csv", &text);
+    let air = "date.and.time,temperature,humidity\n\
+               2019-03-26 00:00:00,25,45\n2019-03-27 00:00:00,25,45\n";
+    folder.write("air.csv", air);
+    let mut text = "treatment,sample,dry.weight,fresh.weight.saturated,fresh.weight,\
+                    water.potential\n"
+        .to_string();
+    for (sample, point) in [(1, 0.86), (2, 0.88), (3, 0.84)] {
+        for i in 0..10 {
+            let w = 0.7 + 0.03 * f64::from(i);
+            let potential = -1.2 * 0.8 / (w - 0.2) + 5.0 * f64::max(w - point, 0.0);
+            text += &format!("wet,{sample},0.5,6,{},{potential}\n", 0.5 + 5.5 * w);
+        }
+    }
+    folder.write("curves.csv", text);
+}
+
+#[test]
+fn leaves_are_fitted_by_treatment_and_an_unseen_one_follows() {
+    let folder = Folder::new();
+    leaf_tables(&folder);
+    let run = "wilt --fit leaves.csv --weather air.csv";
+    let said =
+        folder.succeed(&format!("{run} --pressure-volume curves.csv --unseen 9,10,11,12 -o fit"));
+    for part in [
+        "cuticle",
+        "turgor lost at 0.860",
+        "open",
+        "half closed at",
+        "unseen",
+        "times the error of the scale",
+    ] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    let text = std::fs::read_to_string(folder.path("fit/fit.csv")).unwrap();
+    assert!(text.starts_with("treatment,leaf,constant,value,standard_error,unit\n"), "{text}");
+    assert_eq!(text.lines().count(), 1 + 2 + 6 * 2, "{text}");
+    let text = std::fs::read_to_string(folder.path("fit/fitted.csv")).unwrap();
+    assert_eq!(text.lines().filter(|line| line.starts_with("wet,9,unseen,")).count(), 15);
+    assert_eq!(text.lines().filter(|line| line.contains(",fitted,")).count(), 30);
+    for line in text.lines().skip(1) {
+        let difference: f64 = line.rsplit(',').next().unwrap().parse().unwrap();
+        assert!(difference.abs() < 100.0, "{line}");
+    }
+    assert!(std::fs::read_to_string(folder.path("fit/fit.svg")).unwrap().contains("</svg>"));
+    let said = folder.succeed(&format!("{run} --instrument 0.1 -o coarse"));
+    assert!(!said.contains("times the error of the scale"), "{said}");
+
+    let fails = |options: &str, part: &str| {
+        let run = folder.run(&format!("wilt {options} -o wrong"));
+        assert!(run.code != Some(0) && run.stderr.contains(part), "{options}: {}", run.stderr);
+        assert!(!folder.path("wrong").exists());
+    };
+    fails("--fit leaves.csv --weather air.csv --unseen D", "--unseen D: leaves.csv has no such");
+    fails("--fit leaves.csv --weather leaves.csv", "has no column \"temperature\"");
+    fails("--fit air.csv --weather air.csv", "has no column \"sample\"");
+    fails("--weather air.csv", "--fit");
+    fails("plant.txt --fit leaves.csv --weather air.csv", "cannot be used with");
+    fails("--fit leaves.csv --weather air.csv --kappa 3", "cannot be used with");
+    fails("--fit leaves.csv --weather air.csv --instrument 0", "--instrument");
+    fails("--grow 9 --fit leaves.csv --unseen A", "--weather");
+    let text = std::fs::read_to_string(folder.path("leaves.csv")).unwrap();
+    folder.write("dry.csv", &text.replace("0.5,6,120", "7,6,120"));
+    fails("--fit dry.csv --weather air.csv", "1: its dry weight must be at least 0 and below");
+    folder.write("area.csv", &text.replace("0.5,6,120", "0.5,6,-120"));
+    fails("--fit area.csv --weather air.csv", "1: its area must be positive");
+}
+
 #[test]
 fn a_seed_without_a_generated_plant_or_wind_is_refused() {
     let run = Folder::new().run("wilt plant.txt --seed 3 -o out");
@@ -591,6 +674,7 @@ fn the_commands_of_the_guide_run() {
     }
     folder.write("measured.csv", &weights);
     folder.write("heights.csv", &heights);
+    leaf_tables(&folder);
     let guide = include_str!("../../../docs/guide/plants.md");
     for line in calls(guide) {
         folder.succeed(line);

@@ -16,10 +16,15 @@ mod wilt;
 mod wind;
 
 pub use elasticity::Elasticity;
-pub use fit::{Estimate, Fit, FitOptions, Mark, Measurements, OtherSteepness, OtherWater, fit};
+pub use fit::{
+    Air, DryingLeaf, Estimate, Fit, FitOptions, FittedLeaf, LeafOptions, LeavesFit, Mark,
+    Measurements, OtherSteepness, OtherWater, air_demand, fit, fit_leaves, turgor_loss_point,
+};
 pub use graph::{Plant, Segment};
 pub use parts::Part;
-pub use read::{PlantFormat, read, read_bytes, read_individual, read_with};
+pub use read::{
+    LeafGroup, LeafTable, PlantFormat, read, read_bytes, read_individual, read_leaves, read_with,
+};
 pub use rods::{Energy, Motion, MotionOptions, Pose, RelaxOptions, Relaxation, RodOptions, Rods};
 pub use sway::{Sway, SwayOptions, sway};
 pub use tissue::Tissue;

@@ -2,8 +2,8 @@
 
 use catamaran_bench::Result;
 use catamaran_bench::plant::{
-    Part, accuracy, cut, errors_by_conductance, errors_over_time, grid, hanging, held, naive, race,
-    sections, shares, storms, subjects, total_water, weights,
+    Part, accuracy, cut, errors_by_conductance, errors_over_time, grid, hanging, held, leaves,
+    naive, race, sections, shares, storms, subjects, total_water, weights,
 };
 
 use super::{Arguments, Report};
@@ -29,6 +29,10 @@ pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
     keep(naive(&subjects)?);
     keep(total_water(&subjects)?);
     keep(weights(&subjects)?);
+    match leaves()? {
+        Some(part) => keep(part),
+        None => eprintln!("figure 4.6: no real leaves in CATAMARAN_DATA/plants/leaves"),
+    }
     keep(grid(&subjects)?);
     keep(hanging(&subjects)?);
     keep(held(&subjects)?);

@@ -41,7 +41,7 @@ const OTHERS: [&str; 14] = [
 
 /// Structs with setters that are not compared: those whose options must be given or are those of
 /// other structs, and looks. `Options` are those of slime moulds, here `SlimeOptions`.
-const EXEMPT: [&str; 14] = [
+const EXEMPT: [&str; 15] = [
     "Finish",
     "Inlay",
     "Look",
@@ -55,6 +55,7 @@ const EXEMPT: [&str; 14] = [
     "TableOptions",
     "WiltOptions",
     "FitOptions",
+    "LeafOptions",
     "Options",
 ];
 

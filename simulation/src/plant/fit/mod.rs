@@ -1,18 +1,24 @@
 //! Fits the constants of a plant to measurements (thesis, sections 4.5.1 and 4.5.2).
 
+mod air;
 mod bending;
 mod found;
+mod leaves;
 mod levenberg;
 mod minima;
 mod options;
+mod pressure;
 mod weighing;
 
+pub use self::air::{Air, air_demand};
 use self::bending::Bending;
 use self::found::logarithmic;
 pub use self::found::{Estimate, Fit, OtherSteepness, OtherWater};
+pub use self::leaves::{DryingLeaf, FittedLeaf, LeafOptions, LeavesFit, fit_leaves};
 use self::levenberg::Minimum;
 use self::minima::told_apart;
 pub use self::options::{FitOptions, Mark, Measurements};
+pub use self::pressure::turgor_loss_point;
 use self::weighing::Weighing;
 use super::Plant;
 #[cfg(doc)]

@@ -1,5 +1,6 @@
 //! Reads files of plants: the reference text format, SWC, MTG and polylines in OBJ.
 
+mod leaves;
 mod lines;
 mod mtg;
 mod obj;
@@ -8,6 +9,7 @@ mod swc;
 
 use std::path::Path;
 
+pub use self::leaves::{LeafGroup, LeafTable, read_leaves};
 use self::lines::Lines;
 use super::Plant;
 use catamaran::base::{Error, Result};

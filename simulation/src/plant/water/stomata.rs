@@ -1,14 +1,18 @@
-use catamaran::base::{Error, Result, at_least_zero, finite, options};
+use std::f64::consts::LN_2;
+
+use catamaran::base::{Error, Result, at_least_zero, finite, options, within};
 
 options! {
     /// Stomata that close as the leaf dries. A leaf of relative water content w loses
-    /// `delta A f(w) w` instead of `delta A w`, with the logistic function
+    /// `delta A F(w) w` instead of `delta A w`, with
     ///
-    /// `f(w) = (1 + exp(s (x - 1))) / (1 + exp(s (x - w)))`,
+    /// `F(w) = c + (1 - c) f(w)`, `f(w) = 2^(exp(s (x - 1)) - exp(s (x - w)))`,
     ///
-    /// which is 1 for full cells. One factor for each stimulus of stomata goes back to Jarvis
-    /// (1976). This factor is that of Tuzet, Perrier and Leuning (2003) for the water potential,
-    /// which is linear in w here. The thesis leaves stomata for future work (section 4.6).
+    /// which is 1 for full cells and falls to c, the share of the cuticle, when stomata are closed.
+    /// One factor for each stimulus of stomata goes back to Jarvis (1976). The curve f is that of
+    /// Gompertz (1825): stomata begin to close slowly and end abruptly, as those of the leaves of
+    /// docs/algorithms/plant.md do. The tail of a logistic function would stand for the loss
+    /// through the cuticle. The thesis leaves stomata for future work (section 4.6).
     ///
     /// ```
     /// use catamaran_simulation::plant::Stomata;
@@ -16,6 +20,7 @@ options! {
     /// let stomata = Stomata::new().half(0.8).steepness(25.0);
     /// assert_eq!(stomata.openness(1.0), 1.0);
     /// assert!((stomata.openness(0.8) - 0.5).abs() < 0.01 && stomata.openness(0.5) < 1e-3);
+    /// assert_eq!(stomata.cuticular(0.02).openness(0.3), 0.02);
     /// ```
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct Stomata {
@@ -23,42 +28,49 @@ options! {
         half: f64 = 0.8, range "finite";
         /// s, the steepness of the closing; with 0 they stay open.
         steepness: f64 = 25.0, range "at least 0";
+        /// c, the loss through the cuticle, relative to that of full cells with open stomata.
+        cuticular: f64 = 0.0, range "from 0 to 1";
     }
 }
 
 impl Stomata {
-    /// Returns f: the loss of a leaf of this relative water content relative to its loss with open
+    /// Returns F: the loss of a leaf of this relative water content relative to its loss with open
     /// stomata.
     pub fn openness(&self, relative: f64) -> f64 {
-        self.scale() * logistic(self.steepness * (relative - self.half))
+        self.cuticular + (1.0 - self.cuticular) * self.opening(relative)
     }
 
     /// Returns the derivative of [`Stomata::openness`].
     pub(super) fn slope(&self, relative: f64) -> f64 {
-        let x = self.steepness * (relative - self.half);
-        self.scale() * self.steepness * logistic(x) * logistic(-x)
+        match self.opening(relative) {
+            // The other factor may be infinite.
+            0.0 => 0.0,
+            open => (1.0 - self.cuticular) * open * LN_2 * self.steepness * self.dryness(relative),
+        }
     }
 
-    fn scale(&self) -> f64 {
-        1.0 + (self.steepness * (self.half - 1.0)).exp()
+    /// Returns f.
+    fn opening(&self, relative: f64) -> f64 {
+        (self.dryness(1.0) - self.dryness(relative)).exp2()
+    }
+
+    fn dryness(&self, relative: f64) -> f64 {
+        (self.steepness * (self.half - relative)).exp()
     }
 
     pub(super) fn check(&self) -> Result<()> {
         at_least_zero("steepness of stomata", self.steepness)?;
         finite("half of stomata", self.half)?;
-        if self.scale().is_finite() {
+        within("cuticular share of stomata", self.cuticular, 0.0, 1.0)?;
+        if self.dryness(1.0).is_finite() {
             return Ok(());
         }
-        let Self { half, steepness } = self;
+        let Self { half, steepness, .. } = self;
         let why = format!(
             "exp(steepness (half - 1)) must be finite, with steepness {steepness} and half {half}"
         );
         Err(Error::Argument { what: "stomata", why })
     }
-}
-
-fn logistic(x: f64) -> f64 {
-    1.0 / (1.0 + (-x).exp())
 }
 
 #[cfg(test)]
@@ -68,7 +80,7 @@ mod tests {
     #[test]
     fn the_slope_is_the_derivative_and_open_stomata_have_none() {
         for (half, steepness) in [(0.8, 25.0), (0.5, 4.0), (0.9, 400.0)] {
-            let stomata = Stomata { half, steepness };
+            let stomata = Stomata { half, steepness, cuticular: 0.1 };
             for w in [0.1, 0.5, 0.79, 0.9, 1.0] {
                 let h = 1e-6;
                 let slope = (stomata.openness(w + h) - stomata.openness(w - h)) / (2.0 * h);
@@ -82,12 +94,30 @@ mod tests {
     }
 
     #[test]
+    fn dry_leaves_lose_through_the_cuticle_alone() {
+        for (half, steepness) in [(0.8, 25.0), (0.5, 100.0), (0.9, 1e5)] {
+            let stomata = Stomata { half, steepness, cuticular: 0.03 };
+            assert!((stomata.openness(1.0) - 1.0).abs() < 1e-15);
+            assert_eq!((stomata.openness(0.1), stomata.slope(0.1)), (0.03, 0.0));
+            let mut before = 1.0 + 1e-15;
+            for i in (0..=100).rev() {
+                let open = stomata.openness(0.01 * f64::from(i));
+                assert!((0.03..=before).contains(&open), "{open}");
+                before = open;
+            }
+        }
+    }
+
+    #[test]
     fn constants_out_of_range_are_named() {
         let says = |stomata: Stomata, part: &str| {
             let refused = stomata.check().unwrap_err().to_string();
             assert!(refused.contains(part), "{refused}");
         };
         says(Stomata::new().steepness(-1.0), "steepness of stomata: must be finite and at least 0");
+        let share = "cuticular share of stomata: must be from 0 to 1";
+        says(Stomata::new().cuticular(1.5), share);
+        says(Stomata::new().cuticular(f64::NAN), share);
         says(Stomata::new().half(f64::NAN), "half of stomata: must be finite, is NaN");
         says(Stomata::new().half(100.0).steepness(1e3), "with steepness 1000 and half 100");
     }

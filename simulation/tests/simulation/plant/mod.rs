@@ -8,6 +8,7 @@ mod damage;
 mod drought;
 mod files;
 mod fit;
+mod leaves;
 mod models;
 mod motion;
 mod rods;

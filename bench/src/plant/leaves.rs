@@ -1,0 +1,114 @@
+//! Figure 4.6 by real leaves: kohlrabi that dries on a scale.
+
+use catamaran_simulation::plant::{DryingLeaf, LeafOptions, LeafTable, fit_leaves, read_leaves};
+
+use super::Part;
+use super::pvldcurve::closure;
+use crate::Result;
+use crate::curves::Plot;
+
+/// The leaves from this number on are not fitted.
+const FIRST_UNSEEN: usize = 9;
+
+/// The first weights of an unseen leaf, from which it is predicted, too.
+const FIRST_WEIGHTS: usize = 5;
+
+/// Computes figure 4.6 for the leaves of CATAMARAN_DATA; returns `None` if they are not there.
+///
+/// # Errors
+/// The errors of the tables and of the fit.
+pub fn leaves() -> Result<Option<Part>> {
+    let folder = crate::input::data_folder().join("plants/leaves");
+    let paths = ["leaf_drying_data.csv", "weather_data.csv", "pressure_volume_data.csv"]
+        .map(|name| folder.join(name));
+    if !paths.iter().all(|path| path.is_file()) {
+        return Ok(None);
+    }
+    let mut texts = Vec::new();
+    for path in &paths {
+        texts.push(std::fs::read_to_string(path)?);
+    }
+    let [drying, air, curves] = [0, 1, 2].map(|i| LeafTable { path: &paths[i], text: &texts[i] });
+    let groups = read_leaves(drying, air, Some(curves))?;
+    let (mut rows, mut series) = (Vec::new(), Vec::new());
+    for group in &groups {
+        let options = LeafOptions::new().prior(group.prior());
+        let is_unseen =
+            |leaf: &DryingLeaf| leaf.name.parse().is_ok_and(|name: usize| name >= FIRST_UNSEEN);
+        let seen: Vec<DryingLeaf> =
+            group.leaves.iter().filter(|leaf| !is_unseen(leaf)).cloned().collect();
+        let fit = fit_leaves(&seen, &options)?;
+        let mut fitted = fit.leaves.iter();
+        for (leaf, seconds) in group.leaves.iter().zip(&group.seconds) {
+            let (found, early) = match (is_unseen(leaf), fitted.as_slice().first()) {
+                (false, Some(found)) => {
+                    fitted.next();
+                    (found.clone(), [f64::NAN; 2])
+                }
+                _ => {
+                    let rms = |used| fit.unseen(leaf, used, &options).map(|found| 1e3 * found.rms);
+                    let found = fit.unseen(leaf, leaf.weights.len(), &options)?;
+                    (found, [rms(0)?, rms(FIRST_WEIGHTS)?])
+                }
+            };
+            let package = closure(leaf, seconds);
+            let of_package = package.map_or([f64::NAN; 2], |p| [p.relative, p.minimum]);
+            let part = if early[0].is_nan() { "fitted" } else { "unseen" };
+            rows.push((
+                format!("leaf {} of {}, {part}", leaf.name, group.name),
+                vec![
+                    1e3 * fit.cuticular.value,
+                    1e3 * fit.cuticular.error,
+                    fit.steepness.value,
+                    fit.steepness.error,
+                    1e3 * found.open.value,
+                    1e3 * found.open.error,
+                    found.closing.value,
+                    found.closing.error,
+                    1e3 * found.rms,
+                    early[0],
+                    early[1],
+                    of_package[0],
+                    of_package[1],
+                ],
+            ));
+            let grams = |weights: &[f64]| -> Vec<(f64, f64)> {
+                let hours = seconds.iter().map(|s| s / 3600.0);
+                hours.zip(weights.iter().map(|w| 1e3 * w)).collect()
+            };
+            series.push((format!("{}, weighed", leaf.name), grams(&leaf.weights)));
+            series.push((format!("{}, {part}", leaf.name), grams(&found.weights)));
+        }
+    }
+    let columns = [
+        "cuticle, mmol / (m^2 s)",
+        "+- (cuticle)",
+        "steepness",
+        "+- (steepness)",
+        "open, mmol / (m^2 s)",
+        "+- (open)",
+        "half closed at",
+        "+- (half closed)",
+        "rms, g",
+        "rms without its weights, g",
+        "rms from its first five weights, g",
+        "closed at (pvldcurve)",
+        "minimum conductance (pvldcurve), mmol / (m^2 s)",
+    ];
+    Ok(Some(Part {
+        figure: "figure 4.6 (leaves)",
+        title: "twelve leaves of kohlrabi (R package pvldcurve): cuticle and steepness fitted for \
+                each treatment to leaves 1 to 8, open conductance and closing point for each leaf; \
+                conductances of one side"
+            .into(),
+        columns: columns.map(String::from).into(),
+        rows,
+        plots: vec![Plot {
+            title: "Figure 4.6 by real leaves: weights in g, and the model".into(),
+            across: "h".into(),
+            logarithmic: false,
+            scattered: false,
+            series,
+        }],
+    }))
+}
