@@ -118,7 +118,8 @@ inline std::vector<std::vector<std::uint32_t>> boundary_loops(const mesh_view& m
 struct mesh_measures {
     /// Of all faces.
     double area = 0.0;
-    /// Inside of a closed mesh; negative where faces are seen clockwise from outside.
+    /// Inside; negative where faces are seen clockwise from outside, NaN unless the mesh is closed
+    /// and oriented.
     double volume = 0.0;
     /// Of each face.
     std::vector<double> face_areas;

@@ -84,6 +84,13 @@ void topology() {
 void measures() {
     const auto found = catamaran::measures_of({octahedron, octants});
     CHECK(near(found.area, 4 * std::sqrt(3.0)) && near(found.volume, 4.0 / 3));
+    // Open, and with a face that runs the other way.
+    auto broken = octants;
+    broken.pop_back();
+    CHECK(std::isnan(catamaran::measures_of({octahedron, broken}).volume));
+    broken = octants;
+    std::swap(broken[0][0], broken[0][1]);
+    CHECK(std::isnan(catamaran::measures_of({octahedron, broken}).volume));
     for (std::size_t f = 0; f < 8; ++f) {
         CHECK(near(found.face_areas[f], std::sqrt(3.0) / 2) && near(found.qualities[f], 1));
         CHECK(near(std::abs(found.face_normals[f][2]), std::sqrt(1.0 / 3)));
