@@ -5,7 +5,7 @@
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME libcatamaran)
 set(CPACK_PACKAGE_VENDOR Catamaran)
-# The project has no address: who distributes packages gives theirs.
+# The project has no address. Distributors set their own.
 set(CPACK_PACKAGE_CONTACT "The Catamaran authors <catamaran@example.org>" CACHE STRING
   "maintainer of the packages, as NAME <ADDRESS>")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
