@@ -92,7 +92,7 @@ impl TriMesh {
     }
 
     /// Returns the volume inside the mesh, negative when its faces are seen clockwise from outside;
-    /// `None` unless the mesh has faces, is closed (every edge has two faces), and is oriented (they
+    /// `None` unless the mesh has faces, is closed (every edge has two faces) and oriented (both
     /// run along the edge in opposite directions).
     ///
     /// ```
