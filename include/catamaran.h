@@ -1570,7 +1570,7 @@ cata_status cata_mesh_params_init(cata_mesh_params *params, size_t struct_size);
 
 /** Measures a mesh; NULL where not wanted.
  * - `area`, `volume`: written; the volume is negative where faces are seen clockwise from outside,
- *   and that of the cones over the faces with tip at vertex 0 where the mesh is not closed.
+ *   and NaN unless the mesh has faces, is closed (every edge has two faces) and oriented.
  * - `face_areas`, `qualities`: n_faces elements each, written. The quality of a face is 2 sqrt(3)
  *   area / (half the perimeter x the longest edge): 1 for equilateral triangles, 0 for flat ones.
  * - `face_normals`: 3 for each face, written: of length 1, or 0 for faces without area.
@@ -1628,7 +1628,7 @@ cata_status cata_mesh_label_surface(const size_t *counts, const double *origin, 
  *   along and around, and a radius; "genus": holes and cells;
  * - "grid": columns and rows; "disk": rings and sectors; "cylinder": vertices around and along,
  *   and its radius and height; "terrain": columns, rows and a seed. */
-cata_status cata_mesh_generated(const char *name, size_t n_counts, const size_t *counts,
+cata_status cata_mesh_shape(const char *name, size_t n_counts, const size_t *counts,
     size_t n_sizes, const double *sizes, cata_mesh_file **file);
 
 /** @} */
@@ -1670,7 +1670,7 @@ cata_status cata_laplacian_new(size_t n_vertices, const double *vertices, size_t
  * - `n`, `points`: 3 doubles each, x, y, z.
  * - `neighbours`: nearest points with which each one is triangulated, at least 3; 0: 30.
  * - `params`: `boundary`, `threads` and `progress` are used, the rest is only checked. */
-cata_status cata_laplacian_of_points(size_t n, const double *points, size_t neighbours,
+cata_status cata_cloud_laplacian(size_t n, const double *points, size_t neighbours,
     const cata_eigs_params *params, cata_laplacian **laplacian);
 
 void cata_laplacian_free(cata_laplacian *laplacian); /**< Frees a Laplacian. */
@@ -2356,7 +2356,7 @@ cata_status cata_map_points(const cata_basis *source, const cata_basis *target, 
  * - `source`, `target`: of cata_basis_products of these, with the same order; `o`: written.
  * - `of_all`: 0: column by column, of the products that are kept (equation 1.18). 1: the least
  *   squares over all products (equation 1.16). */
-cata_status cata_map_of_products(const cata_basis *source_eigen, const cata_basis *target_eigen,
+cata_status cata_product_map(const cata_basis *source_eigen, const cata_basis *target_eigen,
     const cata_basis *source, const cata_basis *target, int32_t layout, const double *c, size_t ldc,
     int32_t of_all, double *o, size_t ldo, const cata_basis_params *params);
 

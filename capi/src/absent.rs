@@ -155,9 +155,9 @@ absent! { "chapters":
     fn cata_mesh_compare(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, other_n_vertices: usize, other_vertices: *const f64, other_n_faces: usize, other_faces: *const u32, out: *mut f64, back: *mut f64, hausdorff: *mut f64, chamfer: *mut f64, params: *const c_void) -> cata_status;
     fn cata_mesh_isosurface(counts: *const usize, origin: *const f64, step: *const f64, values: *const f32, level: f32, open: i32, params: *const c_void, file: *mut *mut c_void) -> cata_status;
     fn cata_mesh_label_surface(counts: *const usize, origin: *const f64, step: *const f64, labels: *const u16, label: u16, open: i32, params: *const c_void, file: *mut *mut c_void) -> cata_status;
-    fn cata_mesh_generated(name: *const c_char, n_counts: usize, counts: *const usize, n_sizes: usize, sizes: *const f64, file: *mut *mut c_void) -> cata_status;
+    fn cata_mesh_shape(name: *const c_char, n_counts: usize, counts: *const usize, n_sizes: usize, sizes: *const f64, file: *mut *mut c_void) -> cata_status;
     fn cata_laplacian_new(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, n_held: usize, held: *const u32, params: *const c_void, laplacian: *mut *mut c_void) -> cata_status;
-    fn cata_laplacian_of_points(n: usize, points: *const f64, neighbours: usize, params: *const c_void, laplacian: *mut *mut c_void) -> cata_status;
+    fn cata_cloud_laplacian(n: usize, points: *const f64, neighbours: usize, params: *const c_void, laplacian: *mut *mut c_void) -> cata_status;
     fn cata_laplacian_free(laplacian: *mut c_void);
     fn cata_laplacian_size(laplacian: *const c_void, rows: *mut usize, entries: *mut usize, masses: *mut usize) -> cata_status;
     fn cata_laplacian_get(laplacian: *const c_void, kept: *mut u32, row_starts: *mut usize, columns: *mut usize, w: *mut f64) -> cata_status;
@@ -239,7 +239,7 @@ absent! { "chapters":
     fn cata_map_icp(source: *const c_void, target: *const c_void, iterations: usize, layout: i32, c: *mut f64, ldc: usize, points: *mut u32, params: *const c_void) -> cata_status;
     fn cata_map_zoomout(source: *const c_void, target: *const c_void, step: usize, layout: i32, rows: usize, cols: usize, c: *const f64, ldc: usize, map: *mut f64, ldmap: usize, points: *mut u32, params: *const c_void) -> cata_status;
     fn cata_map_points(source: *const c_void, target: *const c_void, layout: i32, c: *const f64, ldc: usize, points: *mut u32, params: *const c_void) -> cata_status;
-    fn cata_map_of_products(source_eigen: *const c_void, target_eigen: *const c_void, source: *const c_void, target: *const c_void, layout: i32, c: *const f64, ldc: usize, of_all: i32, o: *mut f64, ldo: usize, params: *const c_void) -> cata_status;
+    fn cata_product_map(source_eigen: *const c_void, target_eigen: *const c_void, source: *const c_void, target: *const c_void, layout: i32, c: *const f64, ldc: usize, of_all: i32, o: *mut f64, ldo: usize, params: *const c_void) -> cata_status;
     fn cata_map_from_points(source: *const c_void, target: *const c_void, points: *const u32, layout: i32, c: *mut f64, ldc: usize, params: *const c_void) -> cata_status;
     fn cata_transfer(source: *const c_void, target: *const c_void, points: *const u32, layout: i32, count: usize, f: *const f64, ldf: usize, g: *mut f64, ldg: usize, params: *const c_void) -> cata_status;
     fn cata_transfer_map(source: *const c_void, target: *const c_void, layout: i32, c: *const f64, ldc: usize, count: usize, f: *const f64, ldf: usize, g: *mut f64, ldg: usize, params: *const c_void) -> cata_status;

@@ -95,7 +95,7 @@ pub unsafe extern "C" fn cata_mesh_label_surface(
 /// # Safety
 /// The pointers are as described.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn cata_mesh_generated(
+pub unsafe extern "C" fn cata_mesh_shape(
     name: *const c_char,
     n_counts: usize,
     counts: *const usize,

@@ -94,7 +94,7 @@ pub unsafe extern "C" fn cata_laplacian_new(
 /// # Safety
 /// The pointers are as described.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn cata_laplacian_of_points(
+pub unsafe extern "C" fn cata_cloud_laplacian(
     n: usize,
     points: *const f64,
     neighbours: usize,

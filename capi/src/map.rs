@@ -330,7 +330,7 @@ pub unsafe extern "C" fn cata_map_points(
 /// # Safety
 /// The pointers are as described.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn cata_map_of_products(
+pub unsafe extern "C" fn cata_product_map(
     source_eigen: *const cata_basis,
     target_eigen: *const cata_basis,
     source: *const cata_basis,

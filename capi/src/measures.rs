@@ -42,7 +42,7 @@ pub unsafe extern "C" fn cata_mesh_params_init(
 /// Measures a mesh; NULL where not wanted.
 ///
 /// - `area`, `volume`: written; the volume is negative where faces are seen clockwise from outside,
-///   and that of the cones over the faces with tip at vertex 0 where the mesh is not closed.
+///   and NaN unless the mesh has faces, is closed (every edge has two faces) and oriented.
 /// - `face_areas`, `qualities`: n_faces elements each, written. The quality of a face is 2 sqrt(3)
 ///   area / (half the perimeter x the longest edge): 1 for equilateral triangles, 0 for flat ones.
 /// - `face_normals`: 3 for each face, written: of length 1, or 0 for faces without area.
@@ -77,7 +77,11 @@ pub unsafe extern "C" fn cata_mesh_measures(
             )
         };
         mesh.check_size()?;
-        tell(totals, [mesh.area(), mesh.volume()]);
+        let [area, volume] = totals;
+        tell([area], [mesh.area()]);
+        if let Some(volume) = volume {
+            *volume = mesh.volume().unwrap_or(f64::NAN);
+        }
         fill_wanted(areas, || mesh.face_areas());
         fill_wanted(qualities, || mesh.qualities());
         fill_wanted(of_faces, || mesh.face_normals().into_flattened());

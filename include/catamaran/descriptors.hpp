@@ -68,7 +68,7 @@ inline std::size_t column(std::size_t rows) noexcept { return rows ? rows : 1; }
 
 }  // namespace detail
 
-/// Times for heat_signature: cata_descriptor_heat_times.
+/// Times for heat_kernel_signature: cata_descriptor_heat_times.
 inline std::vector<double> heat_times(const eigenpairs& pairs, std::size_t count) {
     std::vector<double> times(count);
     detail::check(cata_descriptor_heat_times(pairs.values.size(), pairs.values.data(), count,
@@ -77,8 +77,8 @@ inline std::vector<double> heat_times(const eigenpairs& pairs, std::size_t count
 }
 
 /// Heat kernel signatures, a column for each time; `scaled`: divided by the heat trace.
-inline descriptors heat_signature(const eigenpairs& pairs, const std::vector<double>& times,
-                                  bool scaled = false, const descriptor_options& how = {}) {
+inline descriptors heat_kernel_signature(const eigenpairs& pairs, const std::vector<double>& times,
+                                         bool scaled = false, const descriptor_options& how = {}) {
     const std::size_t n = detail::rows_of(pairs);
     descriptors found = detail::descriptors_of(n, times.size());
     detail::descriptor_call call(how);
@@ -117,8 +117,8 @@ inline wave_scales wave_scales_of(const eigenpairs& pairs, std::size_t count) {
 }
 
 /// Wave kernel signatures, a column for each energy.
-inline descriptors wave_signature(const eigenpairs& pairs, const wave_scales& scales,
-                                  const descriptor_options& how = {}) {
+inline descriptors wave_kernel_signature(const eigenpairs& pairs, const wave_scales& scales,
+                                         const descriptor_options& how = {}) {
     const std::size_t n = detail::rows_of(pairs), count = scales.energies.size();
     descriptors found = detail::descriptors_of(n, count);
     detail::descriptor_call call(how);
@@ -130,7 +130,7 @@ inline descriptors wave_signature(const eigenpairs& pairs, const wave_scales& sc
 }
 
 /// Global point signatures, a column for each eigenvalue that is not 0: cata_descriptor_points.
-inline descriptors point_signature(const eigenpairs& pairs) {
+inline descriptors global_point_signature(const eigenpairs& pairs) {
     const std::size_t n = detail::rows_of(pairs), k = pairs.values.size();
     descriptors found = detail::descriptors_of(n, k);
     std::size_t count = 0;
@@ -196,8 +196,8 @@ inline filter_gains gains_of(response kind, const std::vector<double>& frequenci
 
 /// The frequencies of functions, the columns of f: cata_filter_energies. `masses`: the diagonal of
 /// M, empty: all 1.
-inline std::vector<double> energies(const sparse_view& w, matrix_view<const double> f,
-                                    const std::vector<double>& masses = {}) {
+inline std::vector<double> dirichlet_energies(const sparse_view& w, matrix_view<const double> f,
+                                              const std::vector<double>& masses = {}) {
     detail::require(f.rows == w.rows, CATA_ERR_SHAPE, "f: must have a row for each row of w");
     std::vector<double> found(f.cols);
     detail::check(cata_filter_energies(w.rows, w.row_starts, w.columns, w.entries,

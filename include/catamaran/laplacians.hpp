@@ -74,12 +74,12 @@ inline laplacian_matrices laplacian(const mesh_view& mesh, const eigs_options& h
 
 /// The Laplacian of the surface that points are samples of, each triangulated with its `neighbours`
 /// nearest ones; 0: 30.
-inline laplacian_matrices laplacian_of_points(const point_list& points, std::size_t neighbours = 0,
-                                              const eigs_options& how = {}) {
+inline laplacian_matrices cloud_laplacian(const point_list& points, std::size_t neighbours = 0,
+                                          const eigs_options& how = {}) {
     detail::eigs_call call(how);
     cata_laplacian* made = nullptr;
-    call.finish(cata_laplacian_of_points(points.size(), detail::first_of(points), neighbours,
-                                         call.params(), &made));
+    call.finish(cata_cloud_laplacian(points.size(), detail::first_of(points), neighbours,
+                                     call.params(), &made));
     const std::unique_ptr<cata_laplacian, void (*)(cata_laplacian*)> handle(made,
                                                                           cata_laplacian_free);
     return detail::copied(made);

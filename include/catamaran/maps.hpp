@@ -364,22 +364,22 @@ inline functional_map map_from_points(std::vector<std::uint32_t> points, const b
 }
 
 /// The map of products of eigenfunctions that a map of the eigenfunctions implies, column by
-/// column, or by least squares `of_all` products: cata_map_of_products. It has no points.
-inline functional_map map_of_products(matrix_view<const double> map, const basis& source_eigen,
-                                      const basis& target_eigen, const basis& source,
-                                      const basis& target, bool of_all = false,
-                                      const basis_options& how = {}) {
+/// column, or by least squares `of_all` products: cata_product_map. It has no points.
+inline functional_map product_map(matrix_view<const double> map, const basis& source_eigen,
+                                  const basis& target_eigen, const basis& source,
+                                  const basis& target, bool of_all = false,
+                                  const basis_options& how = {}) {
     detail::require_map(map, source_eigen, target_eigen);
     functional_map found{target.size(), source.size(), {}, {}};
     found.entries.resize(found.rows * found.cols);
     // The layout of the map holds for the result too.
     std::vector<double> whole(found.entries.size());
     detail::basis_call call(how);
-    call.finish(cata_map_of_products(source_eigen.get(), target_eigen.get(), source.get(),
-                                     target.get(), static_cast<std::int32_t>(map.order), map.data,
-                                     map.leading, of_all ? 1 : 0, whole.data(),
-                                     detail::gapless(map.order, found.rows, found.cols),
-                                     call.params()));
+    call.finish(cata_product_map(source_eigen.get(), target_eigen.get(), source.get(),
+                                 target.get(), static_cast<std::int32_t>(map.order), map.data,
+                                 map.leading, of_all ? 1 : 0, whole.data(),
+                                 detail::gapless(map.order, found.rows, found.cols),
+                                 call.params()));
     detail::by_columns(whole, map.order, found);
     return found;
 }

@@ -118,7 +118,8 @@ inline std::vector<std::vector<std::uint32_t>> boundary_loops(const mesh_view& m
 struct mesh_measures {
     /// Of all faces.
     double area = 0.0;
-    /// Inside of a closed mesh; negative where faces are seen clockwise from outside.
+    /// Inside; negative where faces are seen clockwise from outside, NaN unless the mesh is closed
+    /// and oriented.
     double volume = 0.0;
     /// Of each face.
     std::vector<double> face_areas;
@@ -261,12 +262,12 @@ inline mesh_file label_surface(const lattice& points, const std::vector<std::uin
     return mesh_file(made);
 }
 
-/// A mesh by the name of its family, such as "torus", with counts and sizes: cata_mesh_generated.
-inline mesh_file generated_mesh(const std::string& name, const std::vector<std::size_t>& counts,
-                                const std::vector<double>& sizes = {}) {
+/// A generated shape by its name, such as "torus", with counts and sizes: cata_mesh_shape.
+inline mesh_file shape(const std::string& name, const std::vector<std::size_t>& counts,
+                       const std::vector<double>& sizes = {}) {
     cata_mesh_file* made = nullptr;
-    detail::check(cata_mesh_generated(name.c_str(), counts.size(), counts.data(), sizes.size(),
-                                      sizes.data(), &made));
+    detail::check(cata_mesh_shape(name.c_str(), counts.size(), counts.data(), sizes.size(),
+                                  sizes.data(), &made));
     return mesh_file(made);
 }
 

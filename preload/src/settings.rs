@@ -34,7 +34,8 @@ impl Mode {
     }
 }
 
-/// Memory that a call may take beyond its operands by default, in bytes.
+/// Memory that a call may take beyond its operands by default, in bytes: small beside operands that
+/// are worth a plan, since a BLAS can't report a lack of memory.
 const DEFAULT_MEMORY: usize = 64 << 20;
 
 /// The settings of this process.

@@ -15,6 +15,7 @@ use crate::task::{Length, run};
 
 /// What [`measure`] finds.
 enum Found {
+    None,
     Number(f64),
     Numbers(Vec<f64>),
     Vectors(Vec<[f64; 3]>),
@@ -31,7 +32,7 @@ impl Found {
         }
         Ok(match what {
             "area" => Self::Number(mesh.area()),
-            "volume" => Self::Number(mesh.volume()),
+            "volume" => mesh.volume().map_or(Self::None, Self::Number),
             "face_areas" => Self::Numbers(mesh.face_areas()),
             "vertex_areas" => Self::Numbers(vertex_areas(mesh)),
             "qualities" => Self::Numbers(mesh.qualities()),
@@ -47,6 +48,7 @@ impl Found {
 
     fn into_object(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
         Ok(match self {
+            Self::None => py.None().into_bound(py),
             Self::Number(x) => PyFloat::new(py, x).into_any(),
             Self::Numbers(all) => from_vec(py, all).into_any(),
             Self::Vectors(all) => from_rows(py, all)?.into_any(),

@@ -1,6 +1,8 @@
 //! Slime moulds and Newton's fractals.
 
+use catamaran::base::Progress;
 use catamaran::faer::Mat;
+use catamaran_simulation::opencl::{Device, SlimeOnDevice, evaluate_newton};
 use catamaran_simulation::texture::newton::{
     Gradient, Grid, Newton, NewtonOptions, Points, Polynomial,
 };
@@ -34,6 +36,7 @@ arguments! {
         project: Option<u32>,
         gaussian: bool,
         length_rescaling: bool,
+        device: String,
         threads: Threads,
     }
 }
@@ -65,6 +68,15 @@ impl Mould {
             options.blur = Blur::Gaussian;
         }
         options
+    }
+}
+
+/// Opens a device; `None` stands for the CPU without OpenCL.
+fn opened(device: &str) -> catamaran::Result<Option<Device>> {
+    match device {
+        "cpu" => Ok(None),
+        "opencl" => Device::open("").map(Some),
+        name => Device::open(name).map(Some),
     }
 }
 
@@ -101,16 +113,30 @@ pub fn slime<'py>(
     let start = numbers("start", start)?.into_iter().map(|inside| inside > 0).collect();
     let mask = Mask { start, ground: numbers("ground", ground)? };
     let (simulation, coverage) = run(py, Length::Long, progress, move |progress| {
+        let device = opened(&mould.device)?;
         let surface = match uv {
             Some(uv) => Surface::new(&mesh, &fitted(&uv))?,
             None => Surface::of_faces(&mesh, atlas(&mesh, options.size)?)?,
         };
         let mut simulation = Simulation::new(surface, &options, &mask)?;
+        let mut on_device =
+            device.map(|device| SlimeOnDevice::new(&device, &simulation)).transpose()?;
         let mut coverage: Vec<Vec<Coverage>> = Vec::new();
         for step in 0..steps {
-            simulation.step(par);
-            coverage.push(simulation.coverage(par));
+            coverage.push(match &mut on_device {
+                Some(on_device) => {
+                    on_device.run(1, Progress::none())?;
+                    on_device.coverage()?
+                }
+                None => {
+                    simulation.step(par);
+                    simulation.coverage(par)
+                }
+            });
             progress.report(f64::from(step + 1) / f64::from(steps))?;
+        }
+        if let Some(on_device) = on_device {
+            on_device.give_back(&mut simulation)?;
         }
         Ok((simulation, coverage))
     })?;
@@ -141,6 +167,7 @@ arguments! {
         scale: f64,
         offset: [f64; 3],
         w: f64,
+        device: String,
         threads: Threads,
     }
 }
@@ -196,7 +223,11 @@ pub fn newton<'py>(
             1 => Points::Grid(Grid::plane(at.size.0, at.size.1, at.center, at.extent)),
             _ => Points::Grid(Grid::cube(at.size.0, at.extent)),
         };
-        Newton::new(&options)?.evaluate(points, par, progress)
+        let newton = Newton::new(&options)?;
+        match opened(&fractal.device)? {
+            Some(device) => evaluate_newton(&device, &newton, points, progress),
+            None => newton.evaluate(points, par, progress),
+        }
     })?;
     let (roots, convergence) = (from_vec(py, found.roots), from_vec(py, found.convergence));
     Ok((roots.into_any(), convergence.into_any(), found.unreached))

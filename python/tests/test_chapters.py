@@ -1,5 +1,6 @@
 """Decimation, curves, unions, plants, textures."""
 
+import os
 import warnings
 
 import numpy as np
@@ -136,3 +137,21 @@ def test_newton_finds_the_roots_it_is_told():
         catamaran.newton(size=8, iterations=0)
     with pytest.warns(UserWarning, match="of 1024 points reach no root in 2 iterations; raise"):
         catamaran.newton(size=32, iterations=2)
+
+
+def test_textures_of_an_opencl_device_are_those_of_the_processor():
+    mesh, how = shapes.icosphere(2), {"agents": 500, "size": 160, "species": 2}
+    try:
+        with pytest.raises(ValueError, match="^device: no device matches \"nowhere\""):
+            catamaran.newton(size=8, device="nowhere")
+    except RuntimeError as missing:
+        assert not os.environ.get("CATAMARAN_REQUIRE_OPENCL"), missing
+        pytest.skip(str(missing))
+    here, there = (catamaran.newton(size=64, device=device) for device in ("cpu", "opencl"))
+    # A GPU may round divisions otherwise, which shows at the borders of basins.
+    assert (here.roots != there.roots).sum() <= 8
+    here, there = (catamaran.slime(mesh, 4, device=device, **how) for device in ("cpu", "opencl"))
+    assert there.texture.shape == here.texture.shape and there.texture.max() > 0
+    assert np.allclose(there.coverage, here.coverage, atol=0.05)
+    with pytest.raises(TypeError, match="^device: "):
+        catamaran.newton(size=8, device=0)

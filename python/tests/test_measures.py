@@ -39,6 +39,10 @@ def test_areas_normals_and_volume_are_their_sums():
     volume = np.einsum("ij,ij->", a, np.cross(b, c)) / 6
     assert np.isclose(TORUS.volume, volume)
     assert np.isclose(Mesh(TORUS.v, TORUS.f[:, ::-1]).volume, -volume)
+    flipped = np.vstack([TORUS.f[:1, ::-1], TORUS.f[1:]])
+    for f in (TORUS.f[1:], flipped, TORUS.f[:0]):
+        assert Mesh(TORUS.v, f).volume is None
+    assert DISK.volume is None
 
 
 def test_topology_is_that_of_the_faces():

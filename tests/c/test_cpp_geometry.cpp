@@ -125,7 +125,8 @@ void laplacians() {
     for (std::size_t i = 0; i < 4; ++i) {
         CHECK(std::abs(pairs.values[i] / expected.values[i] - 1) < 1e-9);
     }
-    const auto all = catamaran::energies(found.stiffness.view(), pairs.matrix(), found.masses);
+    const auto all =
+        catamaran::dirichlet_energies(found.stiffness.view(), pairs.matrix(), found.masses);
     CHECK(std::abs(all[3] / pairs.values[3] - 1) < 1e-9);
     CHECK(catamaran::laplacian(plane.mesh(), {}, {3, 4}).kept.size() == 47);
 
@@ -138,7 +139,7 @@ void laplacians() {
         area += part;
     }
     CHECK(std::abs(area - 1) < 1e-12);
-    CHECK(catamaran::laplacian_of_points(plane.vertices, 8).kept.size() == 49);
+    CHECK(catamaran::cloud_laplacian(plane.vertices, 8).kept.size() == 49);
 }
 
 void distances() {
@@ -198,7 +199,7 @@ void descriptors() {
     const square plane(9);
     const auto pairs = catamaran::eigs(plane.mesh(), 6);
     const auto times = catamaran::heat_times(pairs, 4);
-    const auto heat = catamaran::heat_signature(pairs, times, true);
+    const auto heat = catamaran::heat_kernel_signature(pairs, times, true);
     CHECK(heat.rows == 81 && heat.cols == 4);
     // The integral of a scaled signature is 1.
     for (std::size_t j = 0; j < 4; ++j) {
@@ -209,9 +210,9 @@ void descriptors() {
         CHECK(std::abs(sum - 1) < 1e-9);
     }
     CHECK(catamaran::heat_kernel(pairs, 40, times[0]).size() == 81);
-    const auto wave = catamaran::wave_signature(pairs, catamaran::wave_scales_of(pairs, 5));
+    const auto wave = catamaran::wave_kernel_signature(pairs, catamaran::wave_scales_of(pairs, 5));
     CHECK(wave.cols == 5 && wave.entries[0] > 0);
-    const auto points = catamaran::point_signature(pairs);
+    const auto points = catamaran::global_point_signature(pairs);
     CHECK(points.cols == 5 && points.entries.size() == 5 * 81);
     const auto shot = catamaran::shot(plane.mesh(), 0.3);
     CHECK(shot.cols == CATA_SHOT_BINS && shot.rows == 81);

@@ -198,18 +198,18 @@ void maps_of_products() {
     }
     for (const bool of_all : {false, true}) {
         const auto found =
-            catamaran::map_of_products(c.matrix(), eigen, eigen, products, products, of_all);
+            catamaran::product_map(c.matrix(), eigen, eigen, products, products, of_all);
         CHECK(near(found.entries, expected.entries, 1e-8));
         const auto again =
-            catamaran::map_of_products(rows, eigen, eigen, products, products, of_all);
+            catamaran::product_map(rows, eigen, eigen, products, products, of_all);
         CHECK(near(again.entries, found.entries, 1e-12));
     }
-    CHECK(status_of([&] { catamaran::map_of_products(rows, eigen, eigen, eigen, products); }) ==
+    CHECK(status_of([&] { catamaran::product_map(rows, eigen, eigen, eigen, products); }) ==
           CATA_ERR_ARGUMENT);
     catamaran::basis_options how;
     how.order = 3;
     const basis more = eigen.products(how);
-    CHECK(status_of([&] { catamaran::map_of_products(rows, eigen, eigen, products, more); }) ==
+    CHECK(status_of([&] { catamaran::product_map(rows, eigen, eigen, products, more); }) ==
           CATA_ERR_ARGUMENT);
 }
 

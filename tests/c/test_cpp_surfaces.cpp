@@ -26,7 +26,7 @@ bool near(double x, double expected, double tolerance = 1e-12) {
 }
 
 void topology() {
-    const auto torus = catamaran::generated_mesh("torus", {12, 6}, {2, 0.5});
+    const auto torus = catamaran::shape("torus", {12, 6}, {2, 0.5});
     const auto edges = catamaran::edges_of(torus.mesh());
     CHECK(edges.ends.size() == 216 && edges.ends[0][0] == 0 && edges.ends[0][1] == 1);
     CHECK(edges.face_counts == std::vector<std::uint32_t>(216, 2));
@@ -34,7 +34,7 @@ void topology() {
     CHECK(closed.genus == 1 && closed.orientable);
     CHECK(catamaran::boundary_loops(torus.mesh()).empty());
 
-    const auto tube = catamaran::generated_mesh("cylinder", {8, 2}, {1, 1});
+    const auto tube = catamaran::shape("cylinder", {8, 2}, {1, 1});
     const auto loops = catamaran::boundary_loops(tube.mesh());
     CHECK(loops.size() == 2 && loops[0].size() == 8 && loops[1].size() == 8);
     CHECK(loops.size() == 2 && loops[0][0] != loops[1][0]);
@@ -84,6 +84,13 @@ void topology() {
 void measures() {
     const auto found = catamaran::measures_of({octahedron, octants});
     CHECK(near(found.area, 4 * std::sqrt(3.0)) && near(found.volume, 4.0 / 3));
+    // Open, and with a face that runs the other way.
+    auto broken = octants;
+    broken.pop_back();
+    CHECK(std::isnan(catamaran::measures_of({octahedron, broken}).volume));
+    broken = octants;
+    std::swap(broken[0][0], broken[0][1]);
+    CHECK(std::isnan(catamaran::measures_of({octahedron, broken}).volume));
     for (std::size_t f = 0; f < 8; ++f) {
         CHECK(near(found.face_areas[f], std::sqrt(3.0) / 2) && near(found.qualities[f], 1));
         CHECK(near(std::abs(found.face_normals[f][2]), std::sqrt(1.0 / 3)));
@@ -108,7 +115,7 @@ void measures() {
 
 // Two squares, one half a unit above the other and upside down.
 void comparisons() {
-    const auto grid = catamaran::generated_mesh("grid", {4, 3});
+    const auto grid = catamaran::shape("grid", {4, 3});
     point_list above = grid.vertices();
     triangle_list turned = grid.faces();
     for (auto& p : above) p[2] = 0.5;
@@ -196,10 +203,10 @@ void isosurfaces() {
 }
 
 void generated() {
-    CHECK(catamaran::generated_mesh("terrain", {5, 4, 1}).vertices().size() == 30);
-    CHECK(catamaran::generated_mesh("icosphere", {1}).vertices().size() == 42);
-    CHECK(status_of([&] { catamaran::generated_mesh("sphere", {1}); }) == CATA_ERR_ARGUMENT);
-    CHECK(status_of([&] { catamaran::generated_mesh("torus", {12, 6}); }) == CATA_ERR_ARGUMENT);
+    CHECK(catamaran::shape("terrain", {5, 4, 1}).vertices().size() == 30);
+    CHECK(catamaran::shape("icosphere", {1}).vertices().size() == 42);
+    CHECK(status_of([&] { catamaran::shape("sphere", {1}); }) == CATA_ERR_ARGUMENT);
+    CHECK(status_of([&] { catamaran::shape("torus", {12, 6}); }) == CATA_ERR_ARGUMENT);
 }
 
 // A ring of 200 nodes from every fourth of them, and a sphere from 400 of its vertices.
@@ -240,7 +247,7 @@ void two_levels() {
     CHECK(status_of([&] { catamaran::eigs_two_level(ring, p, 49, k); }) == CATA_ERR_ARGUMENT);
     CHECK(std::string(cata_last_error_message()).rfind("P: ", 0) == 0);
 
-    const auto sphere = catamaran::generated_mesh("icosphere", {4});
+    const auto sphere = catamaran::shape("icosphere", {4});
     const catamaran::decimation small(sphere.mesh(), 400);
     const auto all = catamaran::eigs(sphere.mesh(), k), few = small.eigs(k);
     for (std::size_t i = 1; i < k; ++i) {

@@ -184,7 +184,7 @@ static void test_points(void)
     size_t rows = 0, count = 0;
     int calls = 0;
     make_square(SIDE, 2, points, unused);
-    CHECK_STATUS(cata_laplacian_of_points(N, points, 12, NULL, &laplacian), CATA_OK);
+    CHECK_STATUS(cata_cloud_laplacian(N, points, 12, NULL, &laplacian), CATA_OK);
     CHECK_STATUS(cata_laplacian_size(laplacian, &rows, NULL, &count), CATA_OK);
     CHECK(rows == N && count == N);
     CHECK_STATUS(cata_laplacian_masses(laplacian, masses), CATA_OK);
@@ -193,11 +193,11 @@ static void test_points(void)
     }
     CHECK(fabs(sum / 4 - 1) < 0.1);
     cata_laplacian_free(laplacian);
-    CHECK_STATUS(cata_laplacian_of_points(N, points, 2, NULL, &none), CATA_ERR_ARGUMENT);
+    CHECK_STATUS(cata_cloud_laplacian(N, points, 2, NULL, &none), CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("neighbours");
     cata_eigs_params params = {.struct_size = sizeof params, .progress = cancel, .progress_user =
                                &calls};
-    CHECK_STATUS(cata_laplacian_of_points(N, points, 0, &params, &none), CATA_ERR_CANCELLED);
+    CHECK_STATUS(cata_cloud_laplacian(N, points, 0, &params, &none), CATA_ERR_CANCELLED);
     CHECK(calls == 1 && none == NULL);
 }
 

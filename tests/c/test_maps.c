@@ -308,25 +308,25 @@ static void test_refusals(void)
     CHECK_STATUS(cata_map_zoomout(from, to, 1, CATA_ROW_MAJOR, 3, K + 1, c, K + 1, map, K, found, NULL),
                  CATA_ERR_SHAPE);
     static double o[N * N] = {5};
-    CHECK_STATUS(cata_map_of_products(NULL, to, products, products, CATA_ROW_MAJOR, c, K, 0, o, N, NULL),
+    CHECK_STATUS(cata_product_map(NULL, to, products, products, CATA_ROW_MAJOR, c, K, 0, o, N, NULL),
                  CATA_ERR_NULL);
     CHECK_MENTIONS("source_eigen: must not be NULL");
-    CHECK_STATUS(cata_map_of_products(from, products, products, products, CATA_ROW_MAJOR, c, K, 0, o, N, NULL),
+    CHECK_STATUS(cata_product_map(from, products, products, products, CATA_ROW_MAJOR, c, K, 0, o, N, NULL),
                  CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("target_eigen: must be a basis of cata_basis_new");
-    CHECK_STATUS(cata_map_of_products(from, to, from, products, CATA_ROW_MAJOR, c, K, 0, o, N, NULL),
+    CHECK_STATUS(cata_product_map(from, to, from, products, CATA_ROW_MAJOR, c, K, 0, o, N, NULL),
                  CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("source: needs a basis of cata_basis_products");
-    CHECK_STATUS(cata_map_of_products(from, to, products, products, CATA_ROW_MAJOR, NULL, K, 0, o, N, NULL),
+    CHECK_STATUS(cata_product_map(from, to, products, products, CATA_ROW_MAJOR, NULL, K, 0, o, N, NULL),
                  CATA_ERR_NULL);
     CHECK_MENTIONS("c: must not be NULL");
-    CHECK_STATUS(cata_map_of_products(from, to, products, products, CATA_ROW_MAJOR, o, K, 0, o, N, NULL),
+    CHECK_STATUS(cata_product_map(from, to, products, products, CATA_ROW_MAJOR, o, K, 0, o, N, NULL),
                  CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("o: must not overlap c");
-    CHECK_STATUS(cata_map_of_products(from, to, products, products, CATA_ROW_MAJOR, c, K, 2, o, N, NULL),
+    CHECK_STATUS(cata_product_map(from, to, products, products, CATA_ROW_MAJOR, c, K, 2, o, N, NULL),
                  CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("of_all");
-    CHECK_STATUS(cata_map_of_products(from, to, products, products, CATA_ROW_MAJOR, c, K, 1, o, N, &params),
+    CHECK_STATUS(cata_product_map(from, to, products, products, CATA_ROW_MAJOR, c, K, 1, o, N, &params),
                  CATA_ERR_CANCELLED);
     CHECK(o[0] == 5);
     CHECK_STATUS(cata_map_points(from, to, CATA_ROW_MAJOR, c, K, found, &params), CATA_ERR_CANCELLED);

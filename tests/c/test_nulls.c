@@ -124,9 +124,9 @@ static void test_laplacians(void)
     NEEDS("held", cata_laplacian_new(V, v, F, f, 1, NULL, NULL, &none));
     NEEDS("laplacian", cata_laplacian_new(V, v, F, f, 0, NULL, NULL, NULL));
     TOO_LARGE("held", cata_laplacian_new(V, v, F, f, most * 4, u, NULL, &none));
-    NEEDS("points", cata_laplacian_of_points(V, NULL, 0, NULL, &none));
-    NEEDS("laplacian", cata_laplacian_of_points(V, v, 0, NULL, NULL));
-    TOO_LARGE("points", cata_laplacian_of_points(most, v, 0, NULL, &none));
+    NEEDS("points", cata_cloud_laplacian(V, NULL, 0, NULL, &none));
+    NEEDS("laplacian", cata_cloud_laplacian(V, v, 0, NULL, NULL));
+    TOO_LARGE("points", cata_cloud_laplacian(most, v, 0, NULL, &none));
     NEEDS("laplacian", cata_laplacian_size(NULL, NULL, NULL, NULL));
     NEEDS("laplacian", cata_laplacian_get(NULL, u, places, places, x));
     NEEDS("laplacian", cata_laplacian_masses(NULL, x));
@@ -245,10 +245,10 @@ static void test_surfaces(void)
     NEEDS("values", cata_mesh_isosurface(counts, origin, step, NULL, 0, 0, NULL, &file));
     NEEDS("file", cata_mesh_isosurface(counts, origin, step, &value, 0, 0, NULL, NULL));
     NEEDS("labels", cata_mesh_label_surface(counts, origin, step, NULL, 1, 0, NULL, &file));
-    NEEDS("name", cata_mesh_generated(NULL, 0, NULL, 0, NULL, &file));
-    NEEDS("counts", cata_mesh_generated("grid", 2, NULL, 0, NULL, &file));
-    NEEDS("sizes", cata_mesh_generated("figure", 1, counts, 1, NULL, &file));
-    NEEDS("file", cata_mesh_generated("grid", 2, counts, 0, NULL, NULL));
+    NEEDS("name", cata_mesh_shape(NULL, 0, NULL, 0, NULL, &file));
+    NEEDS("counts", cata_mesh_shape("grid", 2, NULL, 0, NULL, &file));
+    NEEDS("sizes", cata_mesh_shape("figure", 1, counts, 1, NULL, &file));
+    NEEDS("file", cata_mesh_shape("grid", 2, counts, 0, NULL, NULL));
     NEEDS("text", cata_ata_plan_f64(1, 1, NULL, 1, NULL));
     NEEDS("decimation", cata_decimation_eigs(NULL, 1, x, x + 1, V, NULL, NULL, NULL));
     CHECK(file == NULL);

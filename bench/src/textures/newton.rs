@@ -86,7 +86,7 @@ fn basins(sides: [u32; 2]) -> Result<Part> {
                 closed.faces().len() as f64,
                 Components::new(&closed).len() as f64,
                 closed.euler_characteristic(&Edges::new(&closed)) as f64,
-                closed.volume() / (voxels * voxel),
+                closed.volume().unwrap_or(f64::NAN) / (voxels * voxel),
                 fine,
                 2.0 + (fine / coarse).ln() / (f64::from(sides[1]) / f64::from(sides[0])).ln(),
             ],

@@ -147,7 +147,7 @@ pub fn run(args: &Args) -> Result<()> {
     )?;
     let mut found = file.mesh.validate();
     report::validation(&file.mesh, &found)?;
-    report::measures(&file, &found)?;
+    report::measures(&file)?;
 
     if let Some(options) = args.repairs(factor) {
         let mut done =
@@ -169,7 +169,7 @@ pub fn run(args: &Args) -> Result<()> {
             found = file.mesh.validate();
             status!("repaired", path = path; "{path}")?;
             report::validation(&file.mesh, &found)?;
-            report::measures(&file, &found)?;
+            report::measures(&file)?;
         }
     }
     if args.check && !found.problems.is_empty() {

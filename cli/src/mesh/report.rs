@@ -240,14 +240,11 @@ pub fn compare(mesh: &TriMesh, found: &Validation, path: &Path) -> Result<()> {
 }
 
 /// Reports sizes and qualities.
-pub fn measures(file: &MeshFile, found: &Validation) -> Result<()> {
+pub fn measures(file: &MeshFile) -> Result<()> {
     let mesh = &file.mesh;
     let area = mesh.area();
     report!("area", area = area; "{area}")?;
-    let oriented =
-        |p: &Problem| !matches!(p, Problem::Inconsistent { .. } | Problem::NonManifoldEdge { .. });
-    if found.is_closed() && found.faces > 0 && found.problems.iter().all(oriented) {
-        let volume = mesh.volume();
+    if let Some(volume) = mesh.volume() {
         let note = if volume < 0.0 { ", faces are clockwise as seen from outside" } else { "" };
         report!("volume", volume = volume; "{volume}{note}")?;
     }

@@ -243,12 +243,13 @@ impl<'a> Outputs<'a> {
             let file = voxels::surfaces(newton, grid, fractal, shown, par, progress)?;
             let (vertices, faces) = (file.mesh.vertices().len(), file.mesh.faces().len());
             let volume = file.mesh.volume();
+            let text = volume.map_or_else(String::new, |volume| format!(", volume {volume:.6}"));
             report!(
                 "surface",
                 vertices = vertices,
                 faces = faces,
                 volume = volume;
-                "{vertices} vertices, {faces} faces, volume {volume:.6}"
+                "{vertices} vertices, {faces} faces{text}"
             )?;
             let byte = |c: f64| (255.0 * c).round() as u8;
             let colors = file.colors.iter().flatten();

@@ -190,13 +190,13 @@ fn shuffle(items: &mut [usize], rng: &mut Rng) {
     }
 }
 
-/// Returns the mesh scaled to the volume 1. A mesh that is not closed is scaled to the surface area
-/// of a ball of volume 1.
+/// Returns the mesh scaled to the volume 1. A mesh that is not closed and oriented is scaled to the
+/// surface area of a ball of volume 1.
 ///
 /// ```
 /// use catamaran_geometry::{curve::dataset::scaled, mesh::families};
 ///
-/// assert!((scaled(&families::icosphere(2)?)?.volume() - 1.0).abs() < 1e-12);
+/// assert!((scaled(&families::icosphere(2)?)?.volume().unwrap() - 1.0).abs() < 1e-12);
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 ///
@@ -204,12 +204,12 @@ fn shuffle(items: &mut [usize], rng: &mut Rng) {
 /// [`Error::Mesh`](catamaran::Error::Mesh) when the coordinates are not finite afterwards, as for a
 /// mesh without area.
 pub fn scaled(mesh: &TriMesh) -> Result<TriMesh> {
-    let volume = mesh.volume().abs();
-    let factor = if mesh.require_closed().is_ok() && volume > 0.0 {
-        (1.0 / volume).cbrt()
-    } else {
-        let ball = (36.0 * std::f64::consts::PI).cbrt();
-        (ball / mesh.area()).sqrt()
+    let factor = match mesh.volume().map(f64::abs) {
+        Some(volume) if volume > 0.0 => (1.0 / volume).cbrt(),
+        _ => {
+            let ball = (36.0 * std::f64::consts::PI).cbrt();
+            (ball / mesh.area()).sqrt()
+        }
     };
     let vertices = mesh.vertices().iter().map(|p| p.map(|x| x * factor)).collect();
     TriMesh::new(vertices, mesh.faces().to_vec())

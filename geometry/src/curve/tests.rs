@@ -277,7 +277,7 @@ fn a_call_can_be_cancelled_and_leaves_the_solver_as_it_was() {
 #[test]
 fn curves_of_the_data_set_are_closed_paths_that_a_seed_gives_again() {
     let mesh = scaled(&families::torus(120, 50, 2.0, 0.8).unwrap()).unwrap();
-    assert!((mesh.volume() - 1.0).abs() < 1e-9);
+    assert!((mesh.volume().unwrap() - 1.0).abs() < 1e-9);
     let graph = Graph::of_mesh(&mesh);
     let edges = mesh.vertex_neighbors();
     let mut generator = Generator::new(&graph, 5).unwrap();

@@ -1,8 +1,8 @@
 //! Areas, normals, volume, quality and scale. Sums run in the order of the faces, so that results
 //! do not depend on the number of threads.
 
-use super::TriMesh;
 use super::vector::{self, cross, dot, norm, sub, unit};
+use super::{Edges, TriMesh};
 use catamaran::base::{Error, Result};
 
 /// A face counts as without area when its area is at most this times the square of its longest
@@ -91,24 +91,32 @@ impl TriMesh {
         sums.into_iter().map(unit).collect()
     }
 
-    /// Returns the volume inside a closed, oriented mesh, negative when its faces are seen
-    /// clockwise from outside. For other meshes, returns the volume of the cones over the faces
-    /// with tip at the first vertex.
+    /// Returns the volume inside the mesh, negative when its faces are seen clockwise from outside;
+    /// `None` unless the mesh has faces, is closed (every edge has two faces) and oriented (both
+    /// run along the edge in opposite directions).
     ///
     /// ```
     /// use catamaran_geometry::mesh::families;
     ///
-    /// let volume = families::icosphere(3)?.volume();
+    /// let volume = families::icosphere(3)?.volume().unwrap();
     /// assert!((volume / (4.0 / 3.0 * std::f64::consts::PI) - 1.0).abs() < 0.02);
+    /// assert_eq!(families::grid(2, 2)?.volume(), None);
     /// # Ok::<(), catamaran::Error>(())
     /// ```
-    pub fn volume(&self) -> f64 {
-        let Some(&tip) = self.vertices().first() else { return 0.0 };
+    pub fn volume(&self) -> Option<f64> {
+        let edges = Edges::new(self);
+        let is_closed = !edges.is_empty() && edges.corners().rows().all(|row| row.len() == 2);
+        if !is_closed || !self.inconsistent_edges(&edges).is_empty() {
+            return None;
+        }
+        // The sum of cones over the faces, with their tip on the mesh: its digits suffice far away
+        // from the origin, too.
+        let tip = *self.vertices().first()?;
         let cone = |&face: &[u32; 3]| {
             let [a, b, c] = self.corners_of(face).map(|p| sub(p, tip));
             dot(a, cross(b, c))
         };
-        self.faces().iter().map(cone).sum::<f64>() / 6.0
+        Some(self.faces().iter().map(cone).sum::<f64>() / 6.0)
     }
 
     /// Returns the quality of each face, `Q(t) = 2 sqrt(3) A / (S l)` with area A, half the

@@ -96,7 +96,7 @@ fn families_have_the_promised_counts_genus_and_boundary() {
 fn closed_families_are_seen_counter_clockwise_from_outside() {
     for Case { name, mesh, loops, genus, vertices, .. } in manifolds() {
         if loops == 0 && vertices > 0 && matches!(genus, Genus::Orientable(_)) {
-            assert!(mesh.volume() > 0.0, "{name}: {}", mesh.volume());
+            assert!(mesh.volume().unwrap() > 0.0, "{name}: {:?}", mesh.volume());
         }
     }
     for flat in [families::grid(3, 4), families::disk(2, 7), families::terrain(9, 9, 3)] {
@@ -253,7 +253,7 @@ fn the_empty_mesh_and_a_lone_vertex_have_nothing() {
         let mesh = TriMesh::new(vertices, vec![]).unwrap();
         let report = mesh.validate();
         assert_eq!((report.edges, report.components, report.boundary_loops), (0, 0, Some(0)));
-        assert_eq!((mesh.area(), mesh.volume()), (0.0, 0.0));
+        assert_eq!((mesh.area(), mesh.volume()), (0.0, None));
         assert_eq!(mesh.bounding_box().is_some(), !mesh.vertices().is_empty());
         assert!(matches!(mesh.normalized(Normalization::UnitArea), Err(Error::Mesh { .. })));
         assert!(matches!(mesh.normalized(Normalization::UnitBox), Err(Error::Mesh { .. })));
@@ -312,7 +312,27 @@ fn flipped_faces_are_found_and_turned_back() {
     assert_eq!(flipped.genus(&edges), Ok(Genus::Orientable(0)));
     let oriented = flipped.oriented().unwrap();
     assert!(oriented.validate().problems.is_empty());
-    assert!((oriented.volume() - sphere.volume()).abs() < 1e-12);
+    let [found, volume] = [&oriented, &sphere].map(|m| m.volume().unwrap());
+    assert!((found - volume).abs() < 1e-12);
+}
+
+#[test]
+fn only_closed_and_oriented_surfaces_have_a_volume() {
+    let sphere = families::icosphere(2).unwrap();
+    let (vertices, faces) = sphere.clone().into_parts();
+    let with = |change: fn(&mut Vec<[u32; 3]>)| {
+        let mut changed = faces.clone();
+        change(&mut changed);
+        TriMesh::new(vertices.clone(), changed).unwrap().volume()
+    };
+    assert_eq!(with(|faces| drop(faces.pop())), None, "a hole");
+    assert_eq!(with(|faces| faces[17].swap(0, 1)), None, "a face the other way");
+    assert_eq!(with(|faces| faces.push(faces[5])), None, "edges with three faces");
+    let inside_out = with(|faces| faces.iter_mut().for_each(|face| face.swap(0, 1)));
+    let sum = inside_out.unwrap() + sphere.volume().unwrap();
+    assert!(sum.abs() < 1e-12, "{sum}");
+    assert_eq!(families::grid(3, 3).unwrap().volume(), None);
+    assert_eq!(families::moebius(10, 2).unwrap().volume(), None);
 }
 
 #[test]
@@ -356,9 +376,9 @@ fn measures_of_simple_shapes_are_exact() {
     let edge = 4.0 / (10.0 + 2.0 * 5f64.sqrt()).sqrt();
     assert!((icosahedron.area() - 5.0 * 3f64.sqrt() * edge.powi(2)).abs() < 1e-13);
     let volume = 5.0 / 12.0 * (3.0 + 5f64.sqrt()) * edge.powi(3);
-    assert!((icosahedron.volume() - volume).abs() < 1e-13);
+    assert!((icosahedron.volume().unwrap() - volume).abs() < 1e-13);
     let sphere = families::icosphere(5).unwrap();
-    assert!((sphere.volume() / (4.0 * PI / 3.0) - 1.0).abs() < 2e-3);
+    assert!((sphere.volume().unwrap() / (4.0 * PI / 3.0) - 1.0).abs() < 2e-3);
     let normals = sphere.vertex_normals();
     let dot = |p: &[f64; 3], q: &[f64; 3]| (0..3).map(|k| p[k] * q[k]).sum::<f64>();
     assert!(sphere.vertices().iter().zip(&normals).all(|(p, n)| dot(p, n) > 0.9999));

@@ -86,10 +86,10 @@ class Mesh(NamedTuple):
         return area
 
     @property
-    def volume(self) -> float:
-        """The volume inside, below 0 if faces are clockwise as seen from outside; of a mesh with
-        a boundary that of the cones over its faces with tip at the first vertex."""
-        volume: float = self._measure("volume")
+    def volume(self) -> Optional[float]:
+        """The volume inside, below 0 if faces are clockwise as seen from outside; None unless the
+        mesh has faces, is closed (every edge has two faces) and oriented."""
+        volume: Optional[float] = self._measure("volume")
         return volume
 
     @property

@@ -58,6 +58,7 @@ def slime(
     project: Optional[int] = None,
     gaussian: bool = False,
     length_rescaling: bool = True,
+    device: str = "cpu",
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> Slime:
@@ -91,6 +92,9 @@ def slime(
         Blur in the texture, without regard to its seams.
     length_rescaling : bool
         Whether lengths are measured on the surface, not in the texture.
+    device : str
+        Where to compute: ``"cpu"``, or an OpenCL device by its number or a part of its name;
+        ``"opencl"`` is the first GPU, or the first device if there is no GPU.
     threads, progress
         As in `ata`.
 
@@ -127,6 +131,7 @@ def slime(
         "project": project,
         "gaussian": gaussian,
         "length_rescaling": length_rescaling,
+        "device": device,
         "threads": threads,
     }
     if uv is not None:
@@ -174,6 +179,7 @@ def newton(
     scale: float = 1.0,
     offset: Tuple[float, float, float] = (0.0, 0.0, 0.0),
     w: float = 0.0,
+    device: str = "cpu",
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> Fractal:
@@ -203,6 +209,9 @@ def newton(
         How the speed of convergence is measured.
     scale, offset, w
         What points are multiplied by, after `offset` and the fourth coordinate are added.
+    device : str
+        Where to compute: ``"cpu"``, or an OpenCL device by its number or a part of its name;
+        ``"opencl"`` is the first GPU, or the first device if there is no GPU.
     threads, progress
         As in `ata`.
 
@@ -246,6 +255,7 @@ def newton(
         "scale": scale,
         "offset": list(offset),
         "w": w,
+        "device": device,
         "threads": threads,
     }
     numbers, convergence, unreached = _catamaran.newton(at, fractal, callback(progress))

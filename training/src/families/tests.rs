@@ -46,7 +46,7 @@ fn templates_are_surfaces_of_one_piece_of_about_the_size_asked_for() {
             }
             let closed = family != Family::Sheet;
             assert_eq!(edges.boundary().count() == 0, closed);
-            assert!(!closed || mesh.volume() > 0.0);
+            assert!(!closed || mesh.volume().unwrap() > 0.0);
             let worst = mesh.qualities().into_iter().fold(1.0, f64::min);
             // The bands and hands of the smallest ones are as thick as the edges of their triangles
             // are long.

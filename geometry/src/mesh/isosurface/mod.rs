@@ -36,7 +36,7 @@ use catamaran::base::{Error, Par, Progress, Result, reserved};
 /// let ball = isosurface(&lattice, &values, 0.0, Rim::Closed, Par::all(), Progress::none())?;
 /// ball.require_closed()?;
 /// assert_eq!(ball.euler_characteristic(&Edges::new(&ball)), 2);
-/// assert!((ball.volume() - 4.19).abs() < 0.05);
+/// assert!((ball.volume().unwrap() - 4.19).abs() < 0.05);
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 ///

@@ -28,7 +28,7 @@ impl Newton {
     /// basin.require_closed()?;
     /// let voxels = fractal.roots.iter().filter(|&&root| root == 0).count() as f64;
     /// let voxel = (3.0_f64 / 32.0).powi(3);
-    /// assert!((basin.volume() / (voxel * voxels) - 1.0).abs() < 0.05);
+    /// assert!((basin.volume().unwrap() / (voxel * voxels) - 1.0).abs() < 0.05);
     /// # Ok::<(), catamaran::Error>(())
     /// ```
     ///
@@ -105,10 +105,10 @@ mod tests {
             let Validation { problems, .. } = mesh.validate();
             assert!(problems.is_empty(), "root {root}: {problems:?}");
             let count = fractal.roots.iter().filter(|&&found| found == root).count() as f64;
-            let ratio = mesh.volume() / (voxel * count);
+            let ratio = mesh.volume().unwrap() / (voxel * count);
             // Fragments of one voxel have half of its volume.
             assert!((0.8..1.02).contains(&ratio), "root {root}: {ratio}");
-            whole += mesh.volume();
+            whole += mesh.volume().unwrap();
             assert_eq!(basin(Par::Threads(3)), mesh, "the number of threads changes nothing");
         }
         // The missing volume is at borders of three basins, and at bevelled edges.
