@@ -174,7 +174,15 @@ impl Found<'_> {
     }
 
     fn no_rows(&self) -> crate::Error {
-        self.fail(self.sample.next_line, "the file ends without a row of numbers")
+        let what = "the file ends without a row of numbers";
+        match self.sample.later_comments.is_empty() {
+            true => self.fail(self.sample.next_line, what),
+            false => {
+                let comment = option("comment");
+                let what = format!("{what}, but with comments; {comment} names another sign");
+                self.fail(self.sample.next_line, what)
+            }
+        }
     }
 
     fn cell(&self, field: &[u8]) -> Cell {

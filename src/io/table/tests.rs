@@ -407,6 +407,10 @@ fn rows_that_are_comments_are_mentioned() {
     let names = &["id", "x"][..];
     let reading = check("id,x\n1,2\n#2,7\n3,5\n4,4\n", &auto(), SMALL, names);
     assert!(!reading.is_plain() && reading.to_string().ends_with("commented rows left out"));
+    let all = "id,x\n#1,2\n#3,5\n";
+    refused(all, &auto(), 4, &["ends without a row", "`comment`"]);
+    let percent = options(TableOptions::new().comment('%'));
+    check(all, &percent, &[&[2.0], &[5.0]], &["x"]);
     let reading = check("id x\n1 2\n# twice\n# or more\n3 5\n4 4\n", &auto(), SMALL, names);
     assert!(reading.is_plain(), "{reading}");
 }
