@@ -194,6 +194,22 @@ fn files_of_polars_are_read() {
 }
 
 #[test]
+fn the_index_of_a_pandas_frame_is_left_out() {
+    for name in ["pandas.parquet", "pandas.arrow"] {
+        let found = content(&file(name), &ReadOptions::new());
+        same(&doubles(&found), &Mat::from_fn(50, 1, |i, _| i as f64 / 2.0));
+        let reading = found.reading.unwrap();
+        assert_eq!(reading.names(), ["x"]);
+        assert_eq!(reading.to_string(), "index column left out");
+        let all = content(&file(name), &options(TableOptions::new().index(false)));
+        let entry = |i: usize, j: usize| if j == 0 { i as f64 / 2.0 } else { 7.0 * i as f64 };
+        same(&doubles(&all), &Mat::from_fn(50, 2, entry));
+        let key = content(&file(name), &ReadOptions::new().columns(Columns::parse("the key")));
+        same(&doubles(&key), &Mat::from_fn(50, 1, |i, _| 7.0 * i as f64));
+    }
+}
+
+#[test]
 fn packed_and_encoded_pages_are_read() {
     let expected = Mat::from_fn(50, 3, |i, j| match j {
         0 => KINDS[0].1(i as f64),

@@ -40,6 +40,17 @@ def test_they_find_what_scikit_learn_finds(rng):
         )
 
 
+def test_frames_give_the_names_of_features(rng):
+    pandas = pytest.importorskip("pandas")
+    frame = pandas.DataFrame(rng.standard_normal((20, 3)), columns=["x", "y", "z"])
+    for estimator in (PCA(2), LinearRegression(), Ridge()):
+        estimator.fit(frame, frame["x"])
+        assert list(estimator.feature_names_in_) == ["x", "y", "z"]
+        call = estimator.transform if hasattr(estimator, "transform") else estimator.predict
+        with pytest.raises(ValueError, match="feature names"):
+            call(frame.rename(columns={"x": "other"}))
+
+
 @pytest.mark.parametrize("options", [{}, {"n_components": 2}, {"n_components": 3, "whiten": True}])
 def test_scores_are_those_of_scikit_learn(rng, options):
     x = rng.standard_normal((80, 5)) * [5, 3, 2, 1, 0.5] + 7

@@ -120,13 +120,17 @@ impl Archive {
         // One byte or four a character, of which the others are zeros.
         let letters = bytes[header.offset as usize..].iter().filter(|&&byte| byte != 0);
         let format: String = letters.map(|&byte| char::from(byte)).collect();
+        if !matches!(&format[..], "coo" | "csr" | "csc") {
+            let what = format!("a sparse matrix of format {format:?}: save it as csr, csc or coo");
+            return Err(self.fail(what));
+        }
         let &[nrows, ncols] = &self.numbers("shape")?[..] else {
             return Err(self.fail("`shape` has not two entries"));
         };
         let data = self.vector("data")?;
         let (rows, columns) = match format.as_str() {
             "coo" => (self.numbers("row")?, self.numbers("col")?),
-            "csr" | "csc" => {
+            _ => {
                 let (inner, starts) = (self.numbers("indices")?, self.numbers("indptr")?);
                 let is_sorted = starts.first() == Some(&0) && starts.is_sorted();
                 let outer = if format == "csr" { nrows } else { ncols };
@@ -137,11 +141,6 @@ impl Archive {
                 let count = |i: usize| starts[i + 1] - starts[i];
                 let outer = (0..outer).flat_map(|i| std::iter::repeat_n(i, count(i))).collect();
                 if format == "csr" { (outer, inner) } else { (inner, outer) }
-            }
-            other => {
-                let why =
-                    format!("a sparse matrix of format {other:?}: save it as csr, csc or coo");
-                return Err(self.fail(why));
             }
         };
         let is_inside = rows.iter().all(|&i| i < nrows) && columns.iter().all(|&j| j < ncols);

@@ -138,7 +138,7 @@ fn header(source: &mut Source<'_>) -> Result<Header> {
         _ => return Err(source.fail(format!("layout {layout:?} is not coordinate or array"))),
     };
     let field = match field {
-        "real" | "double" | "integer" => Field::Real,
+        "real" | "double" | "integer" | "unsigned-integer" => Field::Real,
         "complex" => Field::Complex,
         "pattern" if coordinate => Field::Pattern,
         _ => return Err(source.fail(format!("entries of type {field:?} are not numbers"))),

@@ -143,7 +143,10 @@ impl<'a> Text<'a> {
         if text.starts_with('[') {
             let end = text.rfind(']').map_or(text.len(), |last| last + 1);
             let list = excerpt(&text[..end]);
-            let what = format!("entries of the structured type {list} are not real numbers");
+            let what = format!(
+                "entries of the structured type {list} are not real numbers: \
+                 numpy.lib.recfunctions.structured_to_unstructured makes columns of its fields"
+            );
             return Err(io::Error::new(io::ErrorKind::InvalidData, what));
         }
         self.string()
@@ -445,7 +448,8 @@ mod tests {
         let dict = format!("{{'descr': [('ä', '<f8'), ('b', '<i4', (2,))], {rest}");
         let latin: Vec<u8> = dict.chars().map(|c| c as u8).collect();
         let expected = "entries of the structured type [('ä', '<f8'), ('b', '<i4', (2,))] are not \
-                        real numbers";
+                        real numbers: numpy.lib.recfunctions.structured_to_unstructured makes \
+                        columns of its fields";
         assert_eq!(refusal(&file(1, &latin)), expected);
         assert_eq!(refusal(&file(2, &latin)), expected);
         assert_eq!(refusal(&file(3, dict.as_bytes())), expected);

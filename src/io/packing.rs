@@ -27,12 +27,13 @@ const PACKED: [(Packing, &[u8], &str, &str); 4] = [
 ];
 
 /// Packers that are not supported: where their files have which bytes.
-const OTHERS: [(usize, &[u8], &str); 4] = [
+const OTHERS: [(usize, &[u8], &str); 5] = [
     // Of the first block: text may begin like the file itself.
     (4, b"1AY&SY", "bzip2 (.bz2)"),
     (0, b"7z\xbc\xaf\x27\x1c", "7-Zip (.7z)"),
     (0, b"\x04\x22\x4d\x18", "LZ4 (.lz4)"),
     (0, b"\x1f\x9d", "compress (.Z)"),
+    (0, b"\x5d\0\0", "LZMA (.lzma)"),
 ];
 
 impl Packing {
@@ -136,6 +137,8 @@ mod tests {
             let lz4 = refused(packing, b"\x04\x22\x4d\x18\x60");
             assert!(lz4.contains("packed by LZ4 (.lz4), which is not"), "{lz4}");
         }
+        let lzma = refused(Packing::None, b"\x5d\0\0\x80\0\xff");
+        assert!(lzma.contains("packed by LZMA (.lzma), which is not"), "{lzma}");
         // Text that only begins in the same way.
         assert!(Packing::None.check(b"BZh 1 2 3\n").is_ok());
         let plain = refused(Packing::Gzip, b"1,2\n3,4\n");

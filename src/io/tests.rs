@@ -302,6 +302,7 @@ fn matrix_market_of_every_kind_is_read() {
         ("coordinate integer symmetric\n2 2 2\n2 1 4\n2 2 -1\n", [0.0, 4.0, 4.0, -1.0]),
         ("coordinate real skew-symmetric\n2 2 1\n2 1 4\n", [0.0, -4.0, 4.0, 0.0]),
         ("coordinate pattern general\n2 2 1\n1 2\n", [0.0, 1.0, 0.0, 0.0]),
+        ("coordinate unsigned-integer general\n2 2 1\n1 2 7\n", [0.0, 7.0, 0.0, 0.0]),
         ("coordinate real symmetric\n2 2 2\n1 2 4\n2 2 -1\n", [0.0, 4.0, 4.0, -1.0]),
         ("coordinate real skew-symmetric\n2 2 1\n1 2 4\n", [0.0, 4.0, -4.0, 0.0]),
         ("array real general\n2 2\n1\n2.0D+00\n3\n4d0\n", [1.0, 3.0, 2.0, 4.0]),

@@ -21,7 +21,7 @@ use crate::io::matrix::Dense;
 use crate::io::names::FileFormat;
 use crate::io::rows::{Stamp, canonical, check_rows, seekable};
 use crate::io::source::error;
-use crate::io::table::{ColumnKind, Missing, TableOptions, TableReading, texts};
+use crate::io::table::{ColumnKind, Missing, TableOptions, TableReading, option, texts};
 use crate::rows::RowBlocks;
 
 /// A Parquet or Arrow file whose rows are read block by block.
@@ -71,7 +71,7 @@ impl ColumnarFile {
             return Err(error(path, None, what));
         }
         let table = &options.table;
-        let mut reading = plan(path, format, &contents.fields, table, &options.columns)?;
+        let mut reading = plan(path, format, contents, table, &options.columns)?;
         let words = |kind: &ColumnKind| match kind {
             ColumnKind::Numbers => None,
             ColumnKind::Factor { .. } => Some(Arc::new(Words::new(limit))),
@@ -97,7 +97,10 @@ impl ColumnarFile {
         let nrows = starts[starts.len() - 1];
         reading.dropped_rows = (all - nrows) as u64;
         if nrows == 0 && all > 0 {
-            return Err(error(path, None, format!("each of its {all} rows has a missing cell")));
+            let columns = option("columns");
+            let what =
+                format!("each of its {all} rows has a missing cell; {columns} leaves columns out");
+            return Err(error(path, None, what));
         }
         Ok(Self {
             path: path.into(),

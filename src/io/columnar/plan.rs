@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::store::{Field, Kind};
+use super::store::{Contents, Field, Kind};
 use crate::base::{Error, Result};
 use crate::io::columns::{Columns, listed};
 use crate::io::names::FileFormat;
@@ -19,10 +19,11 @@ const INDEX: &str = "__index_level_";
 pub fn plan(
     path: &Path,
     format: FileFormat,
-    fields: &[Field],
+    contents: &Contents,
     options: &TableOptions,
     columns: &Columns,
 ) -> Result<TableReading> {
+    let fields = &contents.fields[..];
     let names: Vec<String> = fields.iter().map(|field| field.name.clone()).collect();
     let chosen = columns.of(&names, fields.len())?;
     let mut reading = TableReading {
@@ -45,7 +46,7 @@ pub fn plan(
         let Field { name, kind } = &fields[number];
         let is_index = match options.index {
             Some(is_index) => is_index && number == 0,
-            None => name.starts_with(INDEX),
+            None => name.starts_with(INDEX) || contents.index.contains(name),
         };
         if is_index && columns.is_all() {
             reading.index = true;

@@ -49,6 +49,8 @@ pub trait ColumnReader: Send {
 #[derive(Debug)]
 pub struct Contents {
     pub fields: Vec<Field>,
+    /// The names of the columns that are the index of a pandas frame.
+    pub index: Vec<String>,
     /// The number of rows of each group, which together are a number, too.
     pub groups: Vec<usize>,
     /// What a group is called.

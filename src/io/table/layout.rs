@@ -23,6 +23,9 @@ const LEAST_ROWS: usize = 4;
 /// row must be to be taken for a name.
 const FAR: f64 = 3.0;
 
+/// Ends of lines, beside the one that a file has.
+const LINE_ENDS: [&str; 4] = ["\r", "\u{85}", "\u{2028}", "\u{2029}"];
+
 /// Numbers of a first row that are the least or the greatest of their columns by a smaller chance
 /// than this may be names.
 const CHANCE: f64 = 0.01;
@@ -171,7 +174,15 @@ impl Found<'_> {
     }
 
     fn no_rows(&self) -> crate::Error {
-        self.fail(self.sample.next_line, "the file ends without a row of numbers")
+        let what = "the file ends without a row of numbers";
+        match self.sample.later_comments.is_empty() {
+            true => self.fail(self.sample.next_line, what),
+            false => {
+                let comment = option("comment");
+                let what = format!("{what}, but with comments; {comment} names another sign");
+                self.fail(self.sample.next_line, what)
+            }
+        }
     }
 
     fn cell(&self, field: &[u8]) -> Cell {
@@ -224,7 +235,7 @@ impl Found<'_> {
     /// numbers with a decimal comma, or single numbers and missing cells.
     ///
     /// # Errors
-    /// They may also be row numbers and numbers.
+    /// They may also be row numbers and numbers, or two numbers below a title.
     fn is_one_column_of_decimal_commas(&self) -> Result<bool> {
         let (first, rest) = match &self.sample.rows[..] {
             [first, rest @ ..] if !rest.is_empty() => (first, rest),
@@ -234,6 +245,11 @@ impl Found<'_> {
             [field] => self.cell(field) != Cell::Word,
             [_, _] => number::parse(&row.fields.join(&b','), NOTATIONS[1]).is_some(),
             _ => false,
+        };
+        // As integers, these would not be written so.
+        let is_sure = |row: &SampleRow| match &row.fields[..] {
+            [whole, fraction] => whole == b"-0" || fraction.len() > 1 && fraction[0] == b'0',
+            _ => true,
         };
         let is_name = first.fields.len() == 1 && self.cell(&first.fields[0]) == Cell::Word;
         let comma = Between::Byte(b',');
@@ -251,6 +267,18 @@ impl Found<'_> {
                     "{} is a row number and a number, or a number with a decimal comma: {index} \
                      or {decimal} decides",
                     excerpt(&rest[0].fields.join(&b','))
+                ),
+            ));
+        }
+        if self.options.index.is_none() && !rest.iter().any(is_sure) {
+            let (decimal, skip) = (option("decimal"), option("skip"));
+            return Err(self.fail(
+                rest[0].line,
+                format!(
+                    "{} is a number with a decimal comma below a name, or two numbers below a \
+                     title: {decimal} decides, or {skip} = {} leaves the title out",
+                    excerpt(&rest[0].fields.join(&b',')),
+                    first.line
                 ),
             ));
         }
@@ -295,8 +323,9 @@ impl Found<'_> {
 
     fn decide(self) -> Result<Decided> {
         let width = width(&self.sample);
-        let trailing = self.has_trailing_separator(width);
-        let ncells = width - usize::from(trailing);
+        self.check_line_ends()?;
+        let trailing = self.trailing_separators(width);
+        let ncells = width - trailing;
         let header = self.header(width, ncells)?;
         let (names, has_header) = match header {
             Header::No(names) => (names, false),
@@ -347,9 +376,7 @@ impl Found<'_> {
             };
             columns.push(TableColumn { name, number: j, kind });
         }
-        if trailing {
-            uses[ncells] = Use::Empty;
-        }
+        uses[ncells..].fill(Use::Empty);
         let mut reading = TableReading {
             format: FileFormat::Table,
             separator: None,
@@ -360,7 +387,7 @@ impl Found<'_> {
             has_numbers_in_header,
             skipped_lines: 0,
             index: index && self.columns.is_all(),
-            trailing_separator: trailing,
+            trailing_separator: trailing > 0,
             has_commented_rows: self.has_commented_rows(&kinds),
             left_out,
             columns,
@@ -385,17 +412,46 @@ impl Found<'_> {
         Ok(Decided { layout, reading, start })
     }
 
-    /// Returns whether a separator ends each row, behind which there is nothing.
-    fn has_trailing_separator(&self, width: usize) -> bool {
+    /// Returns the number of separators at the end of each row, behind which there is nothing. The
+    /// header may end without the only one.
+    fn trailing_separators(&self, width: usize) -> usize {
         let rows = &self.sample.rows;
-        let is_empty = |row: &SampleRow| row.fields.last().is_some_and(Vec::is_empty);
-        let first = rows[0].fields.len() + 1 == width || is_empty(&rows[0]);
-        width > 1
+        let is_empty = |row: &SampleRow, back: usize| {
+            row.fields.iter().rev().nth(back).is_some_and(Vec::is_empty)
+        };
+        let are_empty = |back: usize| self.rows(1, width).all(|row| is_empty(row, back));
+        let is_whole = rows[0].fields.len() == width;
+        let first = rows[0].fields.len() + 1 == width || is_empty(&rows[0], 0);
+        let has_one = width > 1
             && self.syntax.between != Between::Blanks
             && first
-            && self.rows(1, width).all(is_empty)
-            && (rows.len() > 1 || is_empty(&rows[0]))
-            && (rows.len() == 1 || self.rows(1, width).next().is_some())
+            && are_empty(0)
+            && (rows.len() > 1 || is_empty(&rows[0], 0))
+            && (rows.len() == 1 || self.rows(1, width).next().is_some());
+        if !has_one {
+            return 0;
+        }
+        let is_another = |back: &usize| is_whole && is_empty(&rows[0], *back) && are_empty(*back);
+        1 + (1..width - 1).take_while(is_another).count()
+    }
+
+    /// Checks that no row has within it what ends lines elsewhere: rows would be lost.
+    fn check_line_ends(&self) -> Result<()> {
+        let ends = |text: &[u8]| {
+            LINE_ENDS.iter().any(|end| memchr::memmem::find(text, end.as_bytes()).is_some())
+        };
+        let is_joined = |row: &&SampleRow| row.quotes == 0 && row.fields.iter().any(|f| ends(f));
+        match self.sample.rows.iter().find(is_joined) {
+            None => Ok(()),
+            Some(row) => Err(self.fail(
+                row.line,
+                format!(
+                    "{} has the end of a line of another kind within it: write one kind of line \
+                     ends",
+                    excerpt(&row.fields.join(&b' '))
+                ),
+            )),
+        }
     }
 
     /// Decides whether the first row has names.
@@ -403,6 +459,8 @@ impl Found<'_> {
         let first = &self.sample.rows[0];
         let len = match first.fields.len() {
             len if len == width => ncells,
+            // Only the header has separators at its end.
+            len if len > ncells && first.fields[ncells..].iter().all(Vec::is_empty) => ncells,
             len => len,
         };
         let cells: Vec<Cell> = first.fields[..len].iter().map(|field| self.cell(field)).collect();
@@ -615,12 +673,19 @@ impl Found<'_> {
     }
 
     /// Returns the names in the comment before the first row, as `numpy.savetxt` writes them: a
-    /// word for each column.
+    /// word for each column. In `#,a,b` the sign of comments is the first one.
     fn comment_names(&self, ncells: usize) -> Vec<String> {
-        let fields = self.sample.comment.as_ref().and_then(|line| self.in_comment(line, ncells));
-        let words = fields.filter(|fields| fields.iter().all(|f| self.cell(f) == Cell::Word));
-        let names = words.iter().flatten();
-        names.map(|field| encoding::text(field).into_owned()).collect()
+        let comment = self.sample.comment.as_ref();
+        let Some(mut fields) = comment.and_then(|line| self.in_comment(line, ncells)) else {
+            return Vec::new();
+        };
+        if ncells > 1 && fields[0].is_empty() {
+            fields[0].push(self.syntax.comment);
+        }
+        match fields.iter().all(|field| self.cell(field) == Cell::Word) {
+            true => fields.iter().map(|field| encoding::text(field).into_owned()).collect(),
+            false => Vec::new(),
+        }
     }
 
     /// Returns whether there are comments that would be rows without the sign of comments.
@@ -687,9 +752,14 @@ impl Found<'_> {
             true => {
                 let j = usize::from(index);
                 let (line, word) = word(j);
+                let separator = option("separator");
                 Err(self.fail(
                     line,
-                    format!("no column of numbers: column {} has words, such as {word}", name(j)),
+                    format!(
+                        "no column of numbers: column {} has words, such as {word}; {separator} \
+                         divides rows otherwise",
+                        name(j)
+                    ),
                 ))
             }
             false => Ok((used, left_out)),

@@ -28,7 +28,10 @@ pub(super) fn excerpt(field: &[u8]) -> String {
 pub(super) fn no_rows(path: &Path, lines: usize, dropped: u64) -> Error {
     let what = match dropped {
         0 => "the file ends without a row of numbers".into(),
-        rows => format!("each of its {rows} rows has a missing cell"),
+        rows => {
+            let columns = option("columns");
+            format!("each of its {rows} rows has a missing cell; {columns} leaves columns out")
+        }
     };
     error(path, lines + 1, what)
 }

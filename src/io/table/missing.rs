@@ -1,6 +1,6 @@
 //! The words of missing cells.
 
-use super::number;
+use super::number::{self, NOTATIONS, PLAIN};
 
 /// The words that stand for a missing cell by default: those of `pandas.read_csv` (pandas 2), and
 /// the point of SAS.
@@ -15,6 +15,8 @@ pub(super) struct MissingWords {
     words: Vec<Vec<u8>>,
     /// Whether a word can be read as a number, so that words come first.
     pub has_numbers: bool,
+    /// The values of words that are numbers: `-999` also stands for `-999.0`.
+    pub numbers: Vec<f64>,
 }
 
 impl MissingWords {
@@ -22,11 +24,19 @@ impl MissingWords {
     pub fn new(words: Option<&[String]>) -> Self {
         let bytes = |word: &str| word.trim().as_bytes().to_vec();
         match words {
-            None => Self { words: DEFAULT.iter().map(|&w| bytes(w)).collect(), has_numbers: false },
+            None => Self {
+                words: DEFAULT.iter().map(|&w| bytes(w)).collect(),
+                has_numbers: false,
+                numbers: Vec::new(),
+            },
             Some(words) => {
                 let words: Vec<Vec<u8>> = words.iter().map(|word| bytes(word)).collect();
                 let has_numbers = words.iter().any(|word| number::readings(word) != 0);
-                Self { words, has_numbers }
+                let value = |word: &Vec<u8>| {
+                    number::parse(word, PLAIN).or_else(|| number::parse(word, NOTATIONS[1]))
+                };
+                let numbers = words.iter().filter_map(value).collect();
+                Self { words, has_numbers, numbers }
             }
         }
     }

@@ -1,5 +1,9 @@
 //! Numbers in text, in the notation of a file.
 
+use std::borrow::Cow;
+
+use super::encoding;
+
 /// How numbers are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Notation {
@@ -8,6 +12,9 @@ pub(super) struct Notation {
     /// Separates groups of three digits before the decimal separator.
     pub thousands: Option<char>,
 }
+
+/// The minus sign of typesetters, and of spreadsheets in Scandinavian languages.
+const MINUS: char = '\u{2212}';
 
 /// The usual notation.
 pub(super) const PLAIN: Notation = Notation { decimal: '.', thousands: None };
@@ -53,7 +60,12 @@ pub(super) fn parse(field: &[u8], notation: Notation) -> Option<f64> {
 }
 
 fn in_notation(field: &[u8], notation: Notation) -> Option<f64> {
-    let text = std::str::from_utf8(unwrapped(field)).ok()?.trim();
+    let text = encoding::text(unwrapped(field));
+    let text = match text.contains(MINUS) {
+        true => Cow::Owned(text.replace(MINUS, "-")),
+        false => text,
+    };
+    let text = text.trim();
     let (sign, unsigned) = match text.strip_prefix('-') {
         Some(rest) => ("-", rest),
         None => ("", text.strip_prefix('+').unwrap_or(text)),
@@ -64,7 +76,10 @@ fn in_notation(field: &[u8], notation: Notation) -> Option<f64> {
     }
     let (mantissa, exponent) = match unsigned.find(['e', 'E', 'd', 'D']) {
         Some(at) => (&unsigned[..at], Some(&unsigned[at + 1..])),
-        None => (unsigned, None),
+        None => match exponent_of_three_digits(unsigned, notation.decimal) {
+            Some(at) => (&unsigned[..at], Some(&unsigned[at..])),
+            None => (unsigned, None),
+        },
     };
     let (whole, fraction) = mantissa.split_once(notation.decimal).unwrap_or((mantissa, ""));
     let mut plain = String::with_capacity(text.len() + 2);
@@ -86,11 +101,20 @@ fn in_notation(field: &[u8], notation: Notation) -> Option<f64> {
     plain.parse().ok()
 }
 
+/// Returns where the exponent of a number such as `1.5-101` starts: Fortran leaves out the letter
+/// where an exponent has three digits.
+fn exponent_of_three_digits(unsigned: &str, decimal: char) -> Option<usize> {
+    let at = unsigned.len().checked_sub(4)?;
+    let (mantissa, exponent) = unsigned.split_at_checked(at)?;
+    let digits = exponent.strip_prefix(['+', '-'])?;
+    (is_digits(digits) && mantissa.contains(decimal)).then_some(at)
+}
+
 /// Appends the digits before the decimal separator; groups after the first have three digits.
 fn push_whole(whole: &str, thousands: Option<char>, plain: &mut String) -> Option<()> {
     let separates = |c: char| match thousands {
-        // The blanks that do not break, and the apostrophe of typesetters.
-        Some(' ') => matches!(c, ' ' | '\u{a0}' | '\u{202f}'),
+        // The blanks that do not break or are thin, and the apostrophe of typesetters.
+        Some(' ') => matches!(c, ' ' | '\u{a0}' | '\u{2007}' | '\u{2009}' | '\u{202f}'),
         Some('\'') => matches!(c, '\'' | '\u{2019}'),
         thousands => thousands == Some(c),
     };
@@ -114,12 +138,16 @@ fn is_digits(text: &str) -> bool {
     text.bytes().all(|byte| byte.is_ascii_digit())
 }
 
-/// Returns what is in `"..."` or `="..."`, by which spreadsheets keep numbers from being changed.
+/// Returns what is in `"..."` or `="..."`, by which spreadsheets keep numbers from being changed,
+/// or in `'...'`, which databases write.
 fn unwrapped(field: &[u8]) -> &[u8] {
     let quoted = field.strip_prefix(b"=").unwrap_or(field);
     match quoted {
         [b'"', inner @ .., b'"'] => inner.trim_ascii(),
-        _ => field,
+        _ => match field {
+            [b'\'', inner @ .., b'\''] => inner.trim_ascii(),
+            _ => field,
+        },
     }
 }
 
@@ -148,6 +176,16 @@ mod tests {
             ("1.299,99", 3, Some(1299.99)),
             ("1.299", 3, Some(1299.0)),
             ("1\u{a0}299,5", 5, Some(1299.5)),
+            ("1\u{2009}299,5", 5, Some(1299.5)),
+            ("1\u{2007}299,5", 5, Some(1299.5)),
+            ("\u{2212}1.5", 0, Some(-1.5)),
+            ("\u{2212}1,5e\u{2212}3", 1, Some(-0.0015)),
+            ("1.5-101", 0, Some(1.5e-101)),
+            ("-1,5+101", 1, Some(-1.5e101)),
+            ("1.5-10", 0, None),
+            ("15-101", 0, None),
+            ("'1.5'", 0, Some(1.5)),
+            ("'", 0, None),
             ("1'299.5", 6, Some(1299.5)),
             (".", 0, None),
             (",", 1, None),
@@ -159,6 +197,7 @@ mod tests {
             assert_eq!(number(text, i), value, "{text} in {:?}", NOTATIONS[i]);
         }
         assert_eq!(number("-inf", 1), Some(f64::NEG_INFINITY));
+        assert_eq!(parse(b"1\xa0299,5", NOTATIONS[5]), Some(1299.5), "Latin-1");
     }
 
     #[test]

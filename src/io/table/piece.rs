@@ -127,7 +127,7 @@ impl Piece {
         if self.splitter.is_open() {
             return Err("a quote that starts in this row is not closed".into());
         }
-        if self.splitter.len() != layout.uses.len() {
+        if self.splitter.len() != layout.uses.len() && !self.differs_by_empty_fields(layout, text) {
             return Err(self.ragged(layout));
         }
         let start = self.values.len();
@@ -145,6 +145,7 @@ impl Piece {
                 continue;
             }
             let field = match used {
+                Use::Empty if j >= self.splitter.len() => continue,
                 Use::Skip => continue,
                 _ => self.splitter.field(text, j),
             };
@@ -175,6 +176,15 @@ impl Piece {
             return Ok(Row::Dropped);
         }
         Ok(Row::Kept)
+    }
+
+    /// Returns whether the record, which begins `text`, has more or fewer fields than others only
+    /// because of separators at its end.
+    fn differs_by_empty_fields(&self, layout: &Layout, text: &[u8]) -> bool {
+        let last = layout.uses.iter().rposition(|&used| used != Use::Empty);
+        let needed = last.map_or(0, |last| last + 1);
+        let len = self.splitter.len();
+        len >= needed && (needed..len).all(|j| self.splitter.field(text, j).is_empty())
     }
 
     fn ragged(&self, layout: &Layout) -> String {
@@ -226,7 +236,7 @@ fn value(layout: &Layout, field: &[u8]) -> Cell {
         return Cell::Missing;
     }
     match number::parse(field, layout.notation) {
-        Some(value) if !value.is_nan() => Cell::Number(value),
+        Some(value) if !value.is_nan() && !words.numbers.contains(&value) => Cell::Number(value),
         Some(_) => Cell::Missing,
         None if words.holds(field) => Cell::Missing,
         None => Cell::Wrong,

@@ -7,6 +7,12 @@ use std::ops::Range;
 use csv_core::{ReadRecordResult, Reader, ReaderBuilder, Terminator};
 use memchr::{memchr, memchr_iter};
 
+/// The byte with which DOS ends a text.
+const END: u8 = 0x1a;
+
+/// Errors of spreadsheets that do not end with `!` or `?`.
+const ERRORS: [&[u8]; 4] = [b"#N/A", b"#N/A N/A", b"#NA", b"#NV"];
+
 /// What separates the fields of a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Between {
@@ -95,8 +101,8 @@ impl Splitter {
         let content = line.trim_ascii_start();
         let is_blank = match self.syntax.between {
             // Tabs separate empty fields.
-            Between::Byte(b'\t') => line.iter().all(|byte| b" \r".contains(byte)),
-            _ => content.is_empty(),
+            Between::Byte(b'\t') => line.iter().all(|byte| b" \r\x1a".contains(byte)),
+            _ => content.is_empty() || content.trim_ascii_end() == [END],
         };
         if is_blank {
             return (Found::Blank, bytes);
@@ -171,16 +177,19 @@ impl Splitter {
         self.is_open
     }
 
-    /// Returns whether a line begins with a cell such as `#N/A`, by which spreadsheets say that
-    /// there is no number.
+    /// Returns whether a line begins with a cell such as `#N/A` or `#DIV/0!`, by which spreadsheets
+    /// say that there is no number.
     fn is_error_value(&self, line: &[u8]) -> bool {
-        let after = |word: &[u8]| line.strip_prefix(word).map(|rest| rest.first().copied());
-        let ends = |next: Option<u8>| match (next, self.syntax.between) {
-            (None, _) => true,
-            (Some(byte), Between::Byte(separator)) => byte == separator || byte == b'\r',
-            (Some(byte), Between::Blanks) => byte.is_ascii_whitespace(),
+        let end = match self.syntax.between {
+            Between::Byte(separator) => memchr(separator, line),
+            Between::Blanks => line.iter().position(is_blank),
         };
-        [&b"#N/A"[..], b"#NA"].into_iter().filter_map(after).any(ends)
+        let word = line[..end.unwrap_or(line.len())].trim_ascii();
+        let is_part = |byte: &u8| byte.is_ascii_uppercase() || b"0123456789/".contains(byte);
+        match word {
+            [b'#', inner @ .., b'!' | b'?'] => !inner.is_empty() && inner.iter().all(is_part),
+            word => ERRORS.contains(&word),
+        }
     }
 
     /// Finds the fields of a line without quotes.
@@ -198,8 +207,9 @@ impl Splitter {
             }
             Between::Blanks => {
                 let mut start = None;
+                let line = line.trim_ascii_end();
                 for (i, byte) in line.iter().enumerate() {
-                    match (byte.is_ascii_whitespace(), start) {
+                    match (is_blank(byte), start) {
                         (true, Some(first)) => {
                             self.fields.push(first..i);
                             start = None;
@@ -239,7 +249,7 @@ impl Splitter {
                 }
             }
             // What follows a closing quote belongs to the field, as between other separators.
-            let end = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
+            let end = rest.iter().position(is_blank).unwrap_or(rest.len());
             self.unquoted.extend_from_slice(&rest[..end]);
             rest = &rest[end..];
             self.fields.push(start..self.unquoted.len());
@@ -288,6 +298,11 @@ impl Splitter {
         }
         Some(read)
     }
+}
+
+/// Returns whether a byte separates fields between blanks; a carriage return does not.
+fn is_blank(byte: &u8) -> bool {
+    matches!(byte, b' ' | b'\t')
 }
 
 /// Returns where the comment of a line starts: after a blank, outside of quotes.
@@ -342,6 +357,10 @@ mod tests {
             (COMMA, "\"two\nlines\",1\n\"x\",2\n", "two\nlines|1/x|2"),
             (COMMA, "5\" pipe,1\n6,2\n", "5\" pipe|1/6|2"),
             (COMMA, "#N/A,1\n#NAME,2\n", "#N/A|1"),
+            (COMMA, "#DIV/0!,1\n#NAME?,2\n#NV,3\n#no!,4\n", "#DIV/0!|1/#NAME?|2/#NV|3"),
+            (blanks, "#VALUE! 1\n# VALUE! 2\n", "#VALUE!|1"),
+            (blanks, "1 2\r3 4\r\n", "1|2\r3|4"),
+            (COMMA, "1,2\n\x1a", "1|2"),
             (comments, "1,2 # a, b\n\"x # y\",3 # z\n", "1|2/x # y|3"),
             (blanks, " 1 2\t3 \n\"a b\"  \"\" c\n", "1|2|3/a b||c"),
             (blanks, "\"1\",2,\"A\" 3\n", "1,2,\"A\"|3"),

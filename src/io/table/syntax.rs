@@ -25,6 +25,10 @@ pub(super) fn line_end(text: &[u8]) -> u8 {
 /// Returns the separator that a first line `sep=;` announces, as Excel writes it.
 pub(super) fn announced(line: &[u8]) -> Option<Separator> {
     let line = line.trim_ascii_end();
+    let line = match line {
+        [b'"', inner @ .., b'"'] => inner,
+        line => line,
+    };
     let (name, rest) = line.split_at_checked(4)?;
     match rest {
         [] if name.eq_ignore_ascii_case(b"sep=") => Some(Separator::Char('\t')),

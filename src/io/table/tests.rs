@@ -236,10 +236,24 @@ fn rows_with_missing_cells_are_refused_dropped_or_nan() {
         check(&text, &auto().columns(1..2), &[&[2.0], &[3.0], &[5.0]], &["y"]);
     }
     let words = TableOptions::new().missing(Missing::Drop).missing_words(vec!["-999".to_owned()]);
-    check("1,2\n-999,3\n4,5\n", &options(words.clone()), &[&[1.0, 2.0], &[4.0, 5.0]], &[]);
+    for missing in ["-999", "-999.0", "-9.99e2"] {
+        let text = format!("1,2\n{missing},3\n4,5\n");
+        check(text, &options(words.clone()), &[&[1.0, 2.0], &[4.0, 5.0]], &[]);
+    }
+    check("1;2,5\n-999,00;3\n4;5\n", &options(words.clone()), &[&[1.0, 2.5], &[4.0, 5.0]], &[]);
+    let infinity = TableOptions::new().missing(Missing::Drop).missing_words(vec!["inf".to_owned()]);
+    check("x,y\n1,2\ninf,3\n4,5\n", &options(infinity), &[&[1.0, 2.0], &[4.0, 5.0]], &["x", "y"]);
+    // Errors of spreadsheets are no comments.
+    for word in ["#DIV/0!", "#VALUE!", "#NAME?", "#NV"] {
+        let text = format!("x,y\n1,2\n{word},3\n4,5\n");
+        refused(&text, &auto(), 3, &[word, "`missing_words`"]);
+        let drop = TableOptions::new().missing(Missing::Drop).missing_words(vec![word.to_owned()]);
+        check(&text, &options(drop), &[&[1.0, 2.0], &[4.0, 5.0]], &["x", "y"]);
+    }
     refused("1,2\nNA,3\n4,5\n", &options(words), 2, &["\"NA\" is not a number"]);
     let none = content("x\nNA\nNA\nNA\n", &drop).map(drop_reading).unwrap_err().to_string();
     assert!(none.contains("each of its 3 rows has a missing cell"), "{none}");
+    assert!(none.contains("`columns`"), "{none}");
 }
 
 fn drop_reading(content: FileContent) -> Option<TableReading> {
@@ -259,8 +273,25 @@ fn other_notations_are_read_when_the_file_decides() {
     check("a b\n=\"1\" \"2\"\n", &auto(), &[&[1.0, 2.0]], &["a", "b"]);
     check("a;b\n\"1e5\";\"2,5\"\n", &auto(), &[&[1e5, 2.5]], &["a", "b"]);
     check("sep=;\nx;y\n1;2\n", &auto(), &[&[1.0, 2.0]], &["x", "y"]);
+    // Thin blanks, the minus sign of typesetters, Fortran's exponents of three digits.
+    let rows: &[&[f64]] = &[&[1234.0, -2.5], &[12345.0, 1.5]];
+    for blank in ["\u{a0}", "\u{2007}", "\u{2009}", "\u{202f}"] {
+        let text = format!("a;b\n1{blank}234;\u{2212}2,5\n12{blank}345;1,5\n");
+        check(text, &auto(), rows, &["a", "b"]);
+    }
+    check(b"a;b\n1\xa0234;-2,5\n12\xa0345;1,5\n", &auto(), rows, &["a", "b"]);
+    let rows: &[&[f64]] = &[&[1.5e-101, 0.2], &[3.0, 5.0]];
+    check("1.5-101 2.0-001\n3.0+000 5.0+000\n", &auto(), rows, &[]);
     check("1e5,2E-1\n3d2,4\n", &auto(), &[&[1e5, 0.2], &[300.0, 4.0]], &[]);
-    check("x\n0,5\n2,25\n", &auto(), &[&[0.5], &[2.25]], &["x"]);
+    check("x\n0,5\n2,05\n", &auto(), &[&[0.5], &[2.05]], &["x"]);
+    // One column below its name, or two below a title.
+    for text in ["x\n0,5\n2,25\n", "Made by hand\n0,5\n2,25\n"] {
+        refused(text, &auto(), 2, &["\"0,5\"", "`decimal`", "`skip` = 1"]);
+        let commas = options(TableOptions::new().decimal(','));
+        let name = text.lines().next().unwrap();
+        check(text, &commas, &[&[0.5], &[2.25]], &[name]);
+        check(text, &options(TableOptions::new().skip(1)), &[&[0.0, 5.0], &[2.0, 25.0]], &[]);
+    }
     let nan = options(TableOptions::new().missing(Missing::Nan));
     let rows: &[&[f64]] = &[&[6.5], &[2.25], &[0.5], &[f64::NAN], &[7.0]];
     check("x\n6,5\n2,25\n0,5\n\"\"\n7\n", &nan, rows, &["x"]);
@@ -331,6 +362,26 @@ fn separators_and_comments_of_every_kind_are_read() {
     assert_eq!(reading.left_out, ["Name"]);
     let cities = "city\tpop\nNew York\t8,336,817\nLos Angeles\t3,979,576\n";
     check(cities, &auto(), &[&[8_336_817.0], &[3_979_576.0]], &["pop"]);
+    // Separators at the end of some rows, and several at the end of each, as spreadsheets leave
+    // them; a text that DOS ended.
+    for text in [
+        "a,b\n1,2,\n3,5\n4,4,\n",
+        "a,b,\n1,2\n3,5\n4,4,\n",
+        "a,b,,\n1,2,,\n3,5,,\n4,4,,\n",
+        "\"sep=;\"\na;b\n1;2\n3;5\n4;4\n",
+        "a,b\r\n1,2\r\n3,5\r\n4,4\r\n\x1a",
+    ] {
+        check(text, &auto(), SMALL, names);
+    }
+    let cut = "a,b,,\n".to_owned() + &"1,2,,\n".repeat(1000) + "3,5,7,\n";
+    refused(&cut, &auto(), 1002, &["\"7\" behind the separator"]);
+    let reading = check("#,a,b\n1,1,2\n", &auto(), &[&[1.0, 1.0, 2.0]], &["#", "a", "b"]);
+    assert!(reading.left_out.is_empty());
+    // Lines that end in two ways.
+    for text in ["1 2\r3 4\n5 6\r7 8\n", "1\r2\n3\r4\n", "a,b\u{2028}1,2\u{2028}3,5\n"] {
+        refused(text, &auto(), 1, &["end of a line"]);
+    }
+    refused("1~2\n3~5\n", &auto(), 2, &["no column of numbers", "`separator`"]);
     let late = "a,b,\n".to_owned() + &"1,2,\n".repeat(1000) + "3,5,7\n";
     refused(&late, &auto(), 1002, &["\"7\" behind the separator"]);
 }
@@ -356,6 +407,10 @@ fn rows_that_are_comments_are_mentioned() {
     let names = &["id", "x"][..];
     let reading = check("id,x\n1,2\n#2,7\n3,5\n4,4\n", &auto(), SMALL, names);
     assert!(!reading.is_plain() && reading.to_string().ends_with("commented rows left out"));
+    let all = "id,x\n#1,2\n#3,5\n";
+    refused(all, &auto(), 4, &["ends without a row", "`comment`"]);
+    let percent = options(TableOptions::new().comment('%'));
+    check(all, &percent, &[&[2.0], &[5.0]], &["x"]);
     let reading = check("id x\n1 2\n# twice\n# or more\n3 5\n4 4\n", &auto(), SMALL, names);
     assert!(reading.is_plain(), "{reading}");
 }

@@ -1,4 +1,4 @@
-"""Writes the Parquet and Arrow files beside this script (pyarrow 26, polars 2).
+"""Writes the Parquet and Arrow files beside this script (pyarrow 26, polars 2, pandas 3).
 
     python write.py
 
@@ -10,6 +10,7 @@ from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import polars as pl
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -84,6 +85,11 @@ def main():
     )
     frame.write_parquet(HERE / "polars.parquet", row_group_size=20)
     frame.write_ipc(HERE / "polars.arrow", compression="zstd")
+    index = pd.Index([7 * i for i in ROWS], name="the key")
+    frame = pa.Table.from_pandas(pd.DataFrame({"x": [i / 2 for i in ROWS]}, index=index))
+    write("pandas", frame, compression="none", store_schema=False)
+    with pa.ipc.new_file(HERE / "pandas.arrow", frame.schema) as writer:
+        writer.write_table(frame)
 
 
 main()

@@ -89,6 +89,7 @@ impl ArrowStore {
             return Err("metadata of a version before 4, which is not read".into());
         }
         let schema = footer.table(1)?.ok_or("no schema")?;
+        let index = schema::index(schema)?;
         let columns = schema::columns(schema, version < VERSION5)?;
         let (mut batches, mut groups, mut all) = (Vec::new(), Vec::new(), 0_usize);
         let mut left = len;
@@ -126,7 +127,7 @@ impl ArrowStore {
         let fields = columns.iter().map(|column| column.field.clone()).collect();
         Ok(Self {
             path: path.into(),
-            contents: Contents { fields, groups, group_name: "record batch" },
+            contents: Contents { fields, index, groups, group_name: "record batch" },
             columns,
             batches,
             parts,

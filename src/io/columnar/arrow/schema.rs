@@ -2,6 +2,7 @@
 
 use super::flat::Table;
 use crate::io::columnar::fault::Fault;
+use crate::io::columnar::pandas;
 use crate::io::columnar::store::{Field, Kind};
 
 /// Columns within columns at most.
@@ -59,6 +60,16 @@ pub fn columns(schema: Table<'_>, unions_have_bits: bool) -> Result<Vec<Column>,
     }
     let mut walk = Walk { unions_have_bits, left: MOST };
     schema.tables(1)?.into_iter().map(|field| walk.column(field)).collect()
+}
+
+/// Returns the names of the columns that are the index of a pandas frame.
+pub fn index(schema: Table<'_>) -> Result<Vec<String>, Fault> {
+    for pair in schema.tables(2)? {
+        if pair.text(0)? == pandas::KEY {
+            return Ok(pandas::index_columns(&pair.text(1)?));
+        }
+    }
+    Ok(Vec::new())
 }
 
 /// What columns have in common.

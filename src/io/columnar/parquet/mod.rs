@@ -16,6 +16,7 @@ use self::guard::guarded;
 use self::numbers::Entry;
 use self::pages::Pages;
 use super::fault::Fault;
+use super::pandas;
 use super::store::{ColumnReader, Contents, Field, Kind, Store};
 use super::words::Words;
 use crate::base::Error;
@@ -80,7 +81,11 @@ impl ParquetStore {
                 })?;
             }
         }
-        let contents = Contents { fields, groups, group_name: "row group" };
+        let pairs = metadata.file_metadata().key_value_metadata();
+        let index = pairs.into_iter().flatten().find(|pair| pair.key == pandas::KEY);
+        let index = index.and_then(|pair| pair.value.as_deref()).map(pandas::index_columns);
+        let index = index.unwrap_or_default();
+        let contents = Contents { fields, index, groups, group_name: "row group" };
         Ok(Self { path: path.into(), metadata, contents, leaves, limit })
     }
 }
