@@ -437,12 +437,13 @@ pub unsafe extern "C" fn cata_path_places(
         unsafe {
             let own = known("path", path)?;
             let Some(places) = &own.places else {
-                let why = "path: only a path of cata_distance_path_exact has places".into();
+                let why = "path: only a path of cata_distance_path_exact has places";
                 return Err(Failure::new(CATA_ERR_ARGUMENT, why));
             };
             let faces = optional_slice_mut("faces", faces, places.len())?;
             let weights = optional_slice_mut("weights", weights, 3 * places.len())?;
-            fill_slice(faces, &places.iter().map(|place| place.face).collect::<Vec<_>>());
+            let of_faces: Vec<u32> = places.iter().map(|place| place.face).collect();
+            fill_slice(faces, &of_faces);
             let all: Vec<[f64; 3]> = places.iter().map(|place| place.weights).collect();
             fill_slice(weights, all.as_flattened());
         }

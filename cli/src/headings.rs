@@ -188,7 +188,7 @@ mod tests {
         };
         for (heading, names) in HEADINGS {
             for name in names {
-                let found = commands.iter().any(|(_, command)| has(command, *name));
+                let found = commands.iter().any(|(_, command)| has(command, name));
                 assert!(found, "{heading}: {name}");
             }
         }

@@ -608,9 +608,9 @@ fn leaves_are_fitted_by_treatment_and_an_unseen_one_follows() {
     fails("--fit leaves.csv --weather air.csv --instrument 0", "--instrument");
     fails("--grow 9 --fit leaves.csv --unseen A", "--weather");
     let text = std::fs::read_to_string(folder.path("leaves.csv")).unwrap();
-    folder.write("dry.csv", &text.replace("0.5,6,120", "7,6,120"));
+    folder.write("dry.csv", text.replace("0.5,6,120", "7,6,120"));
     fails("--fit dry.csv --weather air.csv", "1: its dry weight must be at least 0 and below");
-    folder.write("area.csv", &text.replace("0.5,6,120", "0.5,6,-120"));
+    folder.write("area.csv", text.replace("0.5,6,120", "0.5,6,-120"));
     fails("--fit area.csv --weather air.csv", "1: its area must be positive");
 }
 

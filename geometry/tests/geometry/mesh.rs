@@ -325,7 +325,7 @@ fn only_closed_and_oriented_surfaces_have_a_volume() {
         change(&mut changed);
         TriMesh::new(vertices.clone(), changed).unwrap().volume()
     };
-    assert_eq!(with(|faces| drop(faces.pop())), None, "a hole");
+    assert_eq!(with(|faces| faces.truncate(faces.len() - 1)), None, "a hole");
     assert_eq!(with(|faces| faces[17].swap(0, 1)), None, "a face the other way");
     assert_eq!(with(|faces| faces.push(faces[5])), None, "edges with three faces");
     let inside_out = with(|faces| faces.iter_mut().for_each(|face| face.swap(0, 1)));

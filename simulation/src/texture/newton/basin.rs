@@ -128,9 +128,10 @@ mod tests {
         assert!(half.face_normals().iter().all(|n| n[0] < -0.9));
         for root in [1, 2] {
             let none = newton.basin(&grid, &fractal, root, Rim::Closed, Par::Seq, Progress::none());
+            let none = none.unwrap();
             // Points of the plane between the basins do not converge: they belong to either basin,
             // or to its border.
-            assert!(none.unwrap().volume() <= 9.0 * step * 1.01);
+            assert!(none.faces().is_empty() || none.volume().unwrap() <= 9.0 * step * 1.01);
         }
     }
 

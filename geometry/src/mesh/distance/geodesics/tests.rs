@@ -75,7 +75,7 @@ fn exact_distances_on_a_cylinder_are_those_of_the_unrolled_plane() {
 fn cone(sectors: usize, rings: usize, up: f64, down: f64) -> (TriMesh, f64) {
     let ray = |i: usize| {
         let angle = TAU * i as f64 / sectors as f64;
-        [angle.cos(), angle.sin(), if i % 2 == 0 { up } else { down }]
+        [angle.cos(), angle.sin(), if i.is_multiple_of(2) { up } else { down }]
     };
     let mut vertices = vec![[0.0; 3]];
     for ring in 1..=rings {
@@ -281,7 +281,7 @@ fn exact_distances_are_those_of_all_sequences_of_faces() {
             moved(&shapes::grid(x, y), |[x, y, _]| [x, y, height(&mut rng)]).into_parts();
         // Faces of both orientations, holes, and edges of three faces.
         for face in &mut faces {
-            if rng.bits() % 2 == 0 {
+            if rng.bits().is_multiple_of(2) {
                 face.swap(0, 1);
             }
         }

@@ -26,7 +26,7 @@ pub(super) struct Content {
     pub document: Document,
     pub buffers: Vec<Vec<u8>>,
     /// The bytes of views that are packed, or what is wrong with them, by the number of the view.
-    pub unpacked: BTreeMap<usize, std::result::Result<Vec<u8>, String>>,
+    pub unpacked: BTreeMap<usize, Result<Vec<u8>, String>>,
 }
 
 impl Content {

@@ -391,7 +391,7 @@ mod tests {
         let mut packed = vec![0xa0];
         for block in bytes.chunks(((8192 / stride) & !15).min(256) * stride) {
             for (k, last) in last.iter_mut().enumerate() {
-                let (mut heads, mut groups) = (Vec::new(), Vec::new());
+                let (mut heads, mut groups) = (Vec::<u8>::new(), Vec::<u8>::new());
                 for (g, group) in block.chunks(16 * stride).enumerate() {
                     let mut deltas = [0u8; 16];
                     for (delta, element) in deltas.iter_mut().zip(group.chunks(stride)) {
@@ -403,7 +403,7 @@ mod tests {
                     let forms = [zeros, short(&deltas, 2), short(&deltas, 4), deltas.to_vec()];
                     let mode = (0..4).min_by_key(|&mode| forms[mode].len()).unwrap();
                     if g % 4 == 0 {
-                        heads.push(0u8);
+                        heads.push(0);
                     }
                     heads[g / 4] |= (mode as u8) << (2 * (g % 4));
                     groups.extend(&forms[mode]);
