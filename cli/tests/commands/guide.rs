@@ -1,4 +1,9 @@
-//! The commands of README.md and of the pages of docs/guide that have no chapter of their own.
+//! The commands of README.md and of the pages of docs/guide that have no chapter of their own; and
+//! the output that pages print below commands.
+
+use std::fs;
+use std::io::Read as _;
+use std::path::Path;
 
 use catamaran::io::{Output, Overwrite};
 use catamaran_geometry::mesh::{TriMesh, families, io};
@@ -69,4 +74,103 @@ fn the_commands_of_the_page_on_decimation_run() {
 #[test]
 fn the_commands_of_the_page_on_unions_run() {
     run(include_str!("../../../docs/guide/unions.md"));
+}
+
+/// The commands of the `console` blocks of a page, and the lines that it prints below each.
+fn shown(page: &str) -> Vec<(&str, Vec<&str>)> {
+    let blocks = page.split("```").skip(1).step_by(2);
+    let lines = blocks.filter_map(|block| block.strip_prefix("console\n")).flat_map(str::lines);
+    let mut found: Vec<(&str, Vec<&str>)> = vec![];
+    for line in lines {
+        match line.strip_prefix("$ catamaran ") {
+            Some(call) => found.push((call, vec![])),
+            None => found.last_mut().expect("a command comes first").1.push(line),
+        }
+    }
+    found
+}
+
+/// Returns what a command prints to a terminal, with notes and errors in their places, and whether
+/// it succeeds.
+fn printed(folder: &Folder, call: &str) -> (String, bool) {
+    let (mut reader, writer) = std::io::pipe().unwrap();
+    let mut command = folder.program();
+    command.args(call.split_whitespace());
+    command.stdout(writer.try_clone().unwrap()).stderr(writer);
+    let mut child = command.spawn().expect("the program starts");
+    // It holds the ends of the pipe that are written to.
+    drop(command);
+    let mut text = String::new();
+    reader.read_to_string(&mut text).unwrap();
+    (text, child.wait().unwrap().success())
+}
+
+/// The words of a line that are the same on every machine: no times, speeds and threads, and not
+/// the kernel of a plan.
+fn words(line: &str) -> Vec<&str> {
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let is_unit = |word: &&str| {
+        let word = word.trim_end_matches([',', ';']);
+        ["us", "ms", "s", "effective", "thread", "threads"].contains(&word)
+    };
+    let is_kept = |at: &usize| {
+        let is_measured = words[*at..].iter().take(2).any(is_unit);
+        !is_measured && at.checked_sub(1).is_none_or(|before| words[before] != "by")
+    };
+    (0..words.len()).filter(is_kept).map(|at| words[at]).collect()
+}
+
+/// Returns whether two words are the same, or numbers that differ by rounding.
+fn agree(a: &str, b: &str) -> bool {
+    let marks = ['(', ')', '[', ']', ',', ';', ':', '%'];
+    let number = |word: &str| word.trim_matches(marks).parse::<f64>();
+    match (number(a), number(b)) {
+        // A residual is nothing but rounding.
+        (Ok(a), Ok(b)) => (a - b).abs() <= 1e-9 + 1e-6 * a.abs().max(b.abs()),
+        _ => a == b,
+    }
+}
+
+fn lines_agree(a: &str, b: &str) -> bool {
+    let (a, b) = (words(a), words(b));
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| agree(a, b))
+}
+
+#[test]
+fn commands_print_what_the_guide_shows() {
+    let guide = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/guide");
+    let mut count = 0;
+    for entry in fs::read_dir(guide).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|extension| extension != "md") {
+            continue;
+        }
+        let page = fs::read_to_string(&path).unwrap();
+        let folder = Folder::new();
+        folder.write("ata.csv", include_str!("../../../docs/guide/ata.csv"));
+        for (call, shown) in shown(&page) {
+            let (text, is_success) = printed(&folder, call);
+            let lines: Vec<&str> = text.lines().collect();
+            let agrees = lines.len() == shown.len()
+                && lines.iter().zip(&shown).all(|(line, shown)| lines_agree(line, shown));
+            assert!(agrees, "{}: catamaran {call} prints\n{text}", path.display());
+            // An error is there to be seen.
+            let is_error = shown.iter().any(|line| line.starts_with("catamaran: "));
+            assert_eq!(is_success, !is_error, "{}: catamaran {call}", path.display());
+            count += 1;
+        }
+    }
+    assert!(count > 10, "{count} commands");
+}
+
+#[test]
+fn lines_that_differ_in_more_than_the_machine_do_not_agree() {
+    let plan = "plan        direct, by avx512, 1 thread; --explain prints all of it";
+    assert!(lines_agree(plan, &plan.replace("avx512, 1 thread", "portable, 2 threads")));
+    assert!(!lines_agree(plan, &plan.replace("direct", "exact")));
+    let read = "A           ata.csv: 5 x 3, f64, read in 873.9 us";
+    assert!(lines_agree(read, &read.replace("873.9 us", "1.2 ms")));
+    assert!(!lines_agree(read, &read.replace("5 x 3", "5 x 4")));
+    assert!(lines_agree("1  1.999991887029939e0  9.1e-14", "1  1.999991887029944e0  6.5e-14"));
+    assert!(!lines_agree("1  1.999991887029939e0", "1  1.999981887029939e0"));
 }
