@@ -180,7 +180,7 @@ impl Run<'_> {
                 .set_arg(&p.offset)
                 .set_arg(&p.nearest);
         }
-        // SAFETY: as above; the buffers outlive the work in the queue, because reading them waits
+        // SAFETY: the arguments are those set above; the buffers outlive the work in the queue, because reading them waits
         // for it.
         unsafe { self.launcher.enqueue(call, items) }
     }
