@@ -148,7 +148,8 @@ pub(super) unsafe fn write<T: Versioned>(
     value: &T,
 ) -> Result<(), Failure> {
     let place = pointer::checked(what, place, 1)?.cast_mut();
-    // SAFETY: as in `read`.
+    // SAFETY: the checks are those of `read`, clause `structs` for the writable bytes; no more of
+    // them than both versions have are touched.
     unsafe {
         let size = place.cast::<usize>().read();
         check_struct_size::<T>(what, size)?;

@@ -19,7 +19,7 @@ enum class sums : std::int32_t {
 
 /// What an accumulator adds, and how: the fields of cata_accumulator_params.
 struct accumulator_options {
-    /// 0: as many as the process may use (catamaran.h, Threads).
+    /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
     /// What is added up.
     catamaran::sums sums = sums::floating;
@@ -33,7 +33,7 @@ struct accumulator_options {
     std::uint64_t rows = 0;
     /// Unless floating: weights, at most; 0: rows have no weights.
     double largest_weight = 0.0;
-    /// As options::progress; of each call that adds rows or removes them.
+    /// Progress callback, as options::progress; of each call that adds rows or removes them.
     std::function<bool(double)> progress;
 };
 

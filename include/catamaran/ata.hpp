@@ -12,7 +12,7 @@ namespace catamaran {
 
 /// How a product is computed: the fields of cata_ata_params.
 struct options {
-    /// 0: as many as the process may use (catamaran.h, Threads).
+    /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
     /// Which recursion to run.
     catamaran::scheme scheme = scheme::automatic;

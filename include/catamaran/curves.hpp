@@ -36,7 +36,7 @@ struct curve_options {
     bool vertices_alone = false;
     /// Whether curves are shortened to geodesics between their samples.
     bool smooth = false;
-    /// As options::progress.
+    /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
 };
 

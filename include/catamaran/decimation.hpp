@@ -11,7 +11,7 @@ namespace catamaran {
 
 /// How a mesh is decimated: the fields of cata_decimation_params.
 struct decimation_options {
-    /// 0: as many as the process may use (catamaran.h, Threads).
+    /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
     /// The thesis literally, for comparison.
     bool thesis = false;
@@ -25,7 +25,7 @@ struct decimation_options {
     bool cut_narrow_handles = false;
     /// Whether edges of the input stay whole.
     bool keep_edges = false;
-    /// As options::progress.
+    /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
 };
 
@@ -179,7 +179,7 @@ private:
 /// The n farthest points of a mesh: cata_decimation_farthest_points.
 inline sampling farthest_points(const mesh_view& mesh, std::size_t n,
                                 const decimation_options& how = {}) {
-    // More samples than vertices there never are, and the memory for them may not be.
+    // Checked before memory is allocated: n may exceed any memory.
     detail::require(n <= mesh.n_vertices, CATA_ERR_ARGUMENT, "n: more samples than vertices");
     cata_decimation_params params = detail::params_of(how);
     detail::watcher watcher(how.progress);

@@ -11,9 +11,9 @@ namespace catamaran {
 
 /// How descriptors are computed: the fields of cata_descriptor_params.
 struct descriptor_options {
-    /// 0: as many as the process may use (catamaran.h, Threads).
+    /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
-    /// As options::progress.
+    /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
 };
 
@@ -209,13 +209,13 @@ inline std::vector<double> energies(const sparse_view& w, matrix_view<const doub
 
 /// How a template is deformed: the fields of cata_shape_params.
 struct shape_options {
-    /// 0: as many as the process may use (catamaran.h, Threads).
+    /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
     /// Steps, at most; 0: 60.
     std::size_t steps = 0;
     /// Mean relative difference of eigenvalues at which it ends; 0: 0.001.
     double tolerance = 0.0;
-    /// As options::progress.
+    /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
 };
 

@@ -26,7 +26,7 @@ struct distance_options {
     double cutoff = 0.0;
     /// Of the heat method.
     heat_flow flow = heat_flow::tufted;
-    /// As options::progress.
+    /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
 };
 

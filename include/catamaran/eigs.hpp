@@ -35,7 +35,7 @@ enum class boundary : std::int32_t {
 /// How eigenpairs are computed, and of which Laplacian where it is that of a mesh: the fields of
 /// cata_eigs_params.
 struct eigs_options {
-    /// 0: as many as the process may use (catamaran.h, Threads).
+    /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
     /// Restarts, at most; 0: 60.
     std::size_t max_restarts = 0;
@@ -53,7 +53,7 @@ struct eigs_options {
     mass_kind mass = mass_kind::barycentric;
     /// Of meshes: the condition that functions meet where they end.
     catamaran::boundary boundary = boundary::neumann;
-    /// As options::progress.
+    /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
 };
 
@@ -191,7 +191,7 @@ inline std::vector<double> part_eigenvalues(const mesh_view& mesh,
                                             const eigs_options& how = {}) {
     detail::require(mask.size() == mesh.n_vertices, CATA_ERR_SHAPE,
                     "mask: must have a value for each vertex");
-    // More eigenvalues than vertices there never are, and the memory for them may not be.
+    // Checked before memory is allocated: k may exceed any memory.
     detail::require(k <= mesh.n_vertices, CATA_ERR_ARGUMENT, "k: more eigenvalues than vertices");
     std::vector<double> values(k);
     detail::eigs_call call(how);
@@ -294,13 +294,13 @@ enum class ortho_method : std::int32_t {
 
 /// How columns are made orthonormal: the fields of cata_ortho_params.
 struct ortho_options {
-    /// 0: as many as the process may use (catamaran.h, Threads).
+    /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
     /// 0: 1e-9, or 1e-2 with ortho_method::single_pass.
     double threshold = 0.0;
     /// How often columns are projected, and which ones are kept; standard: reorthogonalized.
     ortho_method method = ortho_method::standard;
-    /// As options::progress.
+    /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
 };
 

@@ -12,13 +12,13 @@ namespace catamaran {
 
 /// How bases of products are made and other work is done: the fields of cata_basis_params.
 struct basis_options {
-    /// 0: as many as the process may use (catamaran.h, Threads).
+    /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
     /// Of products: most factors; 0: 2.
     std::size_t order = 0;
     /// Of products; standard: single_pass, which is stabler under transfer.
     ortho_method method = ortho_method::standard;
-    /// As options::progress.
+    /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
 };
 

@@ -45,7 +45,7 @@ struct mesh_file_options {
     mesh_format format = mesh_format::by_name;
     /// Of writing: whether a file that is there stays, which is an error; else it is replaced.
     bool keep = false;
-    /// As options::progress.
+    /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
 };
 
@@ -318,7 +318,7 @@ struct repair_options {
     bool cut = false;
     /// Whether faces are flipped to agree with their neighbours, and to face outside.
     bool orient = false;
-    /// As options::progress.
+    /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
 };
 

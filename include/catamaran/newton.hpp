@@ -18,9 +18,9 @@ enum class newton_gradient : std::int32_t {
 
 /// What a Newton fractal is of: the fields of cata_newton_params; 0 is the default of each.
 struct newton_options {
-    /// 0: as many as the process may use (catamaran.h, Threads).
+    /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
-    /// As options::progress, of all calls of the fractal.
+    /// Progress callback, as options::progress, of all calls of the fractal.
     std::function<bool(double)> progress;
     /// Real and imaginary part of each, at most 64, within 1e4 of 0; none: those of z^power - 1.
     std::vector<std::array<double, 2>> roots;

@@ -12,9 +12,9 @@ namespace catamaran {
 
 /// The constants of a plant: the fields of cata_plant_params; 0 is the default of each.
 struct plant_options {
-    /// 0: as many as the process may use (catamaran.h, Threads).
+    /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
-    /// As options::progress, of all calls of the plant.
+    /// Progress callback, as options::progress, of all calls of the plant.
     std::function<bool(double)> progress;
     /// Water that leaves give off, in kg / (s m^2); 0: none.
     double loss = 0.0;
@@ -40,7 +40,7 @@ struct plant_options {
 
 /// The constants of rods: the fields of cata_plant_rods_params; 0 is the default of each.
 struct rods_options {
-    /// As options::progress, of all calls of the rods.
+    /// Progress callback, as options::progress, of all calls of the rods.
     std::function<bool(double)> progress;
     /// Acceleration, in m / s^2; all 0: 0, 0, -9.81.
     std::array<double, 3> gravity{};

@@ -30,9 +30,9 @@ enum class slime_lengths : std::int32_t {
 
 /// What slime moulds are like: the fields of cata_slime_params; 0 is the default of each.
 struct slime_options {
-    /// 0: as many as the process may use (catamaran.h, Threads).
+    /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
-    /// As options::progress, of all calls of the simulation.
+    /// Progress callback, as options::progress, of all calls of the simulation.
     std::function<bool(double)> progress;
     /// Their number, below 2^32; 0: 1,000,000.
     std::size_t agents = 0;

@@ -9,9 +9,9 @@ namespace catamaran {
 
 /// How meshes are compared, or made of a lattice: the fields of cata_mesh_params.
 struct mesh_options {
-    /// 0: as many as the process may use (catamaran.h, Threads).
+    /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
-    /// As options::progress.
+    /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
 };
 

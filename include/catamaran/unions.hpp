@@ -11,9 +11,9 @@ namespace catamaran {
 
 /// How a union is located: the fields of cata_unions_params.
 struct unions_options {
-    /// 0: as many as the process may use (catamaran.h, Threads).
+    /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
-    /// As options::progress.
+    /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
 };
 

@@ -89,8 +89,9 @@ impl<T> Side<T> {
     unsafe fn view<'a>(&self) -> MatRef<'a, T> {
         let Stored { pointer, rows, cols, leading } = self.stored;
         let pointer = if pointer.is_null() { NonNull::dangling().as_ptr() } else { pointer };
-        // SAFETY: by the contract the operand is readable for `'a`; `arguments` has checked the sides
-        // and the leading dimension, and a pointer that is NULL has no elements to read.
+        // SAFETY: by the contract the operand is readable for `'a`; `arguments` has checked the
+        // sides and the leading dimension, which is at most isize::MAX, and a pointer that is NULL
+        // has no elements to read.
         let stored =
             unsafe { MatRef::from_raw_parts(pointer, rows, cols, 1, leading.cast_signed()) };
         if self.transposed { stored.transpose() } else { stored }
