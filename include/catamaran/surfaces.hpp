@@ -116,15 +116,15 @@ inline std::vector<std::vector<std::uint32_t>> boundary_loops(const mesh_view& m
 
 /// Measures of a mesh.
 struct mesh_measures {
-    /// Of all faces.
+    /// Area of all faces, in squared units of the mesh.
     double area = 0.0;
-    /// Inside of a closed mesh; negative where faces are seen clockwise from outside.
+    /// Volume inside of a closed mesh; negative where faces are seen clockwise from outside.
     double volume = 0.0;
-    /// Of each face.
+    /// Area of each face.
     std::vector<double> face_areas;
-    /// Of each face: 1 for equilateral triangles, 0 for flat ones.
+    /// Quality of each face, from 0 (flat) to 1 (equilateral).
     std::vector<double> qualities;
-    /// Of length 1; 0 for faces without area.
+    /// Normal of each face, of length 1; 0 for faces without area.
     point_list face_normals;
     /// The directions of the means of the normals of the faces at each vertex, by area: of length
     /// 1; 0 where the mean is 0.
@@ -147,17 +147,17 @@ inline mesh_measures measures_of(const mesh_view& mesh) {
 
 /// How uniform a mesh is.
 struct mesh_quality {
-    /// Of the faces.
+    /// Mean area of the faces.
     double mean_area = 0.0;
-    /// The standard deviation of the areas over their mean.
+    /// Standard deviation of the areas, divided by their mean.
     double area_variation = 0.0;
-    /// Of mesh_measures::qualities.
+    /// Mean of mesh_measures::qualities.
     double mean_quality = 0.0;
-    /// Their standard deviation.
+    /// Standard deviation of the qualities.
     double quality_deviation = 0.0;
-    /// The least of them.
+    /// Least of the qualities.
     double least_quality = 0.0;
-    /// Edges at a vertex with a face, in the mean.
+    /// Mean number of edges at the vertices that have a face.
     double mean_valence = 0.0;
     /// The share of these vertices that have 6 edges, or 4 at the boundary.
     double regular_vertices = 0.0;
@@ -178,11 +178,11 @@ inline mesh_quality quality_of(const mesh_view& mesh) {
 
 /// Distances from one surface to another one.
 struct mesh_distance {
-    /// Of the vertices, and of points spread by area.
+    /// Largest distance of the vertices and of points spread by area.
     double largest = 0.0;
-    /// Of these points.
+    /// Mean distance of the points spread by area.
     double mean = 0.0;
-    /// The mean angle between the normals there, in degrees.
+    /// Mean angle between the normals at these points, in degrees.
     double angle = 0.0;
 };
 
@@ -218,7 +218,7 @@ struct lattice {
     std::array<std::size_t, 3> counts{};
     /// The first point.
     std::array<double, 3> origin{};
-    /// From a point to the next one.
+    /// Distance from one point to the next along x, y and z.
     std::array<double, 3> step{{1.0, 1.0, 1.0}};
     /// Whether surfaces are cut at the outermost points; else they are closed half a step outside.
     bool open = false;
