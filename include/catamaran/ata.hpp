@@ -18,7 +18,8 @@ struct options {
     catamaran::scheme scheme = scheme::automatic;
     /// 0: the default; 1: classical products only; infinity: no bound; CATA_ERROR_LEAST: the least.
     double error_factor = 0.0;
-    /// Whether results have the same bytes on every machine: scheme::exact, and no other is allowed.
+    /// Whether results have the same bytes on every machine, by scheme::exact; no other is
+    /// allowed.
     bool reproducible = false;
     /// Thread i stays on the i-th core of the affinity mask of the process.
     bool pin = false;

@@ -24,9 +24,8 @@ struct curve_options {
     std::size_t candidates = 0;
     /// Number of the sample at which the curve starts, with faithful.
     std::size_t start = 0;
-    /// Algorithm 6.1 of the thesis, from sample to sample; else the order first, then paths that do
-    /// not
-    /// meet.
+    /// Whether to use algorithm 6.1 of the thesis, from sample to sample; else the order comes
+    /// first, then paths that do not meet.
     bool faithful = false;
     /// Open curves; else closed ones.
     bool open = false;

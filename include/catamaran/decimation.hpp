@@ -32,8 +32,7 @@ struct decimation_options {
 /// Where vertices of a decimated mesh lie on the input, and those of the input in their cells.
 struct decimation_places {
     /// For each vertex of the input the nearest one of the result along edges; UINT32_MAX where no
-    /// face has
-    /// it.
+    /// face has it.
     std::vector<std::uint32_t> cells;
     /// How far that is.
     std::vector<float> distances;
@@ -49,7 +48,7 @@ struct sampling {
     std::vector<std::uint32_t> samples;
     /// For each vertex the number of the sample nearest to it; UINT32_MAX where no face has it.
     std::vector<std::uint32_t> nearest;
-    /// How far it is.
+    /// Distance from that sample, in the unit of the mesh.
     std::vector<float> distances;
 };
 
@@ -94,9 +93,9 @@ public:
             cata_decimation_get(made, detail::first_of(vertices_), detail::first_of(faces_)));
     }
 
-    /// Of the result.
+    /// Vertices of the result.
     const point_list& vertices() const noexcept { return vertices_; }
-    /// Of the result.
+    /// Faces of the result.
     const triangle_list& faces() const noexcept { return faces_; }
     /// The result, valid as long as this.
     mesh_view mesh() const& { return {vertices_, faces_}; }

@@ -103,7 +103,7 @@ inline std::vector<double> heat_kernel(const eigenpairs& pairs, std::uint32_t so
 struct wave_scales {
     /// Logarithms of eigenvalues, ascending.
     std::vector<double> energies;
-    /// Of the weights around an energy.
+    /// Width of the weights around an energy, in logarithms of eigenvalues.
     double sigma = 0.0;
 };
 
@@ -225,7 +225,7 @@ struct shape_from_spectrum_result {
     point_list vertices;
     /// Its first eigenvalues.
     std::vector<double> eigenvalues;
-    /// Their mean relative difference from those that were given.
+    /// Mean relative difference of the eigenvalues from those that were given.
     double error = 0.0;
     /// How many steps were taken.
     std::size_t steps = 0;

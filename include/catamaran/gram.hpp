@@ -110,7 +110,7 @@ struct singular_value_decomposition {
 struct extended_gram {
     /// n x n, in the layout of A without gaps.
     std::vector<double> high;
-    /// The same: what rounding took from high.
+    /// n x n, in the layout of A without gaps: what rounding took from high.
     std::vector<double> low;
     /// Whether no entry of A was rounded.
     bool exact = false;
