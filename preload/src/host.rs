@@ -50,7 +50,8 @@ impl Next {
 /// Returns the file that contains `code`, as the loader knows it.
 pub fn file_of(code: Code) -> String {
     match object_of(code) {
-        // SAFETY: the loader's own string, of an object that stays.
+        // SAFETY: the string is the loader's own, not NULL, and lives as long as the object, which
+        // contains symbols that are in use.
         Some(info) if !info.dli_fname.is_null() => unsafe {
             CStr::from_ptr(info.dli_fname).to_string_lossy().into_owned()
         },

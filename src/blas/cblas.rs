@@ -406,27 +406,27 @@ impl Backend for Cblas {
     }
 
     fn single_threaded(&self) -> ThreadGuard {
-        // SAFETY, for every call below: the signatures were established at load time, and the
-        // functions take any count that they returned themselves, and 1.
+        // Safety of every call of `threading` below: the signatures were established at load time,
+        // and the functions take any count that they returned themselves, and 1.
         ThreadGuard(match self.threading {
             Threading::MklLocal(set) => {
-                // SAFETY: above.
+                // SAFETY: as for every call of `threading`.
                 let before = unsafe { set(1) };
                 Some(Box::new(move || {
-                    // SAFETY: above.
+                    // SAFETY: as for every call of `threading`.
                     unsafe { set(before) };
                 }))
             }
             Threading::Openblas { get, set } => {
-                // SAFETY: above.
+                // SAFETY: as for every call of `threading`.
                 let get = move || i64::from(unsafe { get() });
-                // SAFETY: above; the counts are those of a C int.
+                // SAFETY: as for every call of `threading`; the counts are those of a C int.
                 Some(hold(&self.holders, get, move |n| unsafe { set(n as c_int) }))
             }
             Threading::Blis { get, set } => {
-                // SAFETY: above.
+                // SAFETY: as for every call of `threading`.
                 let get = move || unsafe { get() };
-                // SAFETY: above.
+                // SAFETY: as for every call of `threading`.
                 Some(hold(&self.holders, get, move |n| unsafe { set(n) }))
             }
             Threading::Unknown => None,

@@ -155,7 +155,8 @@ pub(crate) fn products<L: Lanes, T: Direct, const COUNT: usize>(
             let both = lanes.add_integers(low, high);
             for j in 0..COUNT {
                 let Right { rows, both: sums, lane } = right[j];
-                // SAFETY: the assertions above.
+                // SAFETY: `i` is below the length of both, and `lane` below LANES, as asserted
+                // above.
                 let ([of_low, of_high], of_both) = unsafe {
                     let row = *rows.get_unchecked(i).get_unchecked(lane);
                     (row, *sums.get_unchecked(i).get_unchecked(lane))

@@ -98,28 +98,28 @@ impl Kernel for Neon {
 #[inline]
 #[target_feature(enable = "neon")]
 fn load_f64(from: &[f64; 2]) -> float64x2_t {
-    // SAFETY: two numbers.
+    // SAFETY: the array has the two numbers that are read.
     unsafe { vld1q_f64(from.as_ptr()) }
 }
 
 #[inline]
 #[target_feature(enable = "neon")]
 fn load_f32(from: &[f32; 4]) -> float32x4_t {
-    // SAFETY: four numbers.
+    // SAFETY: the array has the four numbers that are read.
     unsafe { vld1q_f32(from.as_ptr()) }
 }
 
 #[inline]
 #[target_feature(enable = "neon")]
 fn load_bytes(from: &[i8; 16]) -> int8x16_t {
-    // SAFETY: 16 bytes.
+    // SAFETY: the array has the 16 bytes that are read.
     unsafe { vld1q_s8(from.as_ptr()) }
 }
 
 #[inline]
 #[target_feature(enable = "neon")]
 fn store_bytes(bytes: int8x16_t, to: &mut [i8; 16]) {
-    // SAFETY: 16 bytes.
+    // SAFETY: the array has the 16 bytes that are written.
     unsafe { vst1q_s8(to.as_mut_ptr(), bytes) }
 }
 

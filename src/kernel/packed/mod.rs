@@ -13,7 +13,7 @@
 //!
 //! Functions here do not check what they are passed. `SAFETY` comments name these clauses:
 //!
-//! - **`instructions`**: the CPU has the instructions of the [`Vectors`](vectors::Vectors).
+//! - **`instructions`**: the CPU has the instructions of the `Vectors`.
 //!   `instantiate!` enables them in the methods of a kernel value, which its `new` returns only
 //!   where they were detected (`x86`) or always exist (`neon`, `portable`). All other functions
 //!   that are generic in `Vectors` are inlined into these methods.

@@ -216,7 +216,8 @@ impl Sweeps {
         let largest = self.subtrees.iter().map(|part| part.values).max().unwrap_or(0);
         let operations = operations_of(largest);
         par.for_each_asking(subtrees.iter_mut(), operations, |_, (part, rows)| {
-            // SAFETY: each row belongs to one part only.
+            // SAFETY: each row belongs to one part only, each part to one call of this closure, and
+            // nobody else has X, which is borrowed.
             unsafe { part.gather(&x, rows) };
             self.down::<UNIT, FUSED>(part.nodes.clone(), factor, rows);
         })?;
