@@ -73,7 +73,7 @@ pub unsafe extern "C" fn cata_accumulator_params_init(
     params: *mut cata_accumulator_params,
     struct_size: usize,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `structs` (`params`).
     unsafe { init(params, struct_size) }
 }
 
@@ -88,12 +88,12 @@ pub unsafe extern "C" fn cata_accumulator_new(
     accumulator: *mut *mut cata_accumulator,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`accumulator`, one value), clause `structs` (`params`).
         let (params, place) =
             unsafe { (read_or_zeros("params", params)?, output("accumulator", accumulator)?) };
         let centered = flag("params.centered", params.centered)?;
         let bounds = || {
-            // SAFETY: the caller's promise.
+            // SAFETY: clause `memory` (`params.lower`, `n` elements; `params.upper`, `n` elements).
             let (lower, upper) = unsafe {
                 (slice("params.lower", params.lower, n)?, slice("params.upper", params.upper, n)?)
             };
@@ -130,7 +130,8 @@ pub unsafe extern "C" fn cata_accumulator_read(
     accumulator: *mut *mut cata_accumulator,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`accumulator`, one value), clause `structs` (`params`), clause
+        // `texts` (`path`).
         let (path, params, place) = unsafe {
             (
                 self::path("path", path)?,
@@ -154,7 +155,7 @@ pub unsafe extern "C" fn cata_accumulator_write(
     path: *const c_char,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`accumulator`), clause `texts` (`path`).
         let (own, path) = unsafe { (known(accumulator)?, self::path("path", path)?) };
         Ok(write_accumulator(Output::create(&path, Overwrite::Replace)?, &own.sum)?)
     })
@@ -166,7 +167,7 @@ pub unsafe extern "C" fn cata_accumulator_write(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_accumulator_free(accumulator: *mut cata_accumulator) {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `handles` (`accumulator`).
     unsafe { free(accumulator) };
 }
 
@@ -188,7 +189,7 @@ pub unsafe extern "C" fn cata_accumulator_add(
     lda: usize,
     weights: *const f64,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `passed on` (`change`).
     unsafe { change(accumulator, layout, m, a, lda, weights, false) }
 }
 
@@ -206,7 +207,7 @@ pub unsafe extern "C" fn cata_accumulator_remove(
     lda: usize,
     weights: *const f64,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `passed on` (`change`).
     unsafe { change(accumulator, layout, m, a, lda, weights, true) }
 }
 
@@ -221,7 +222,7 @@ pub unsafe extern "C" fn cata_accumulator_add_file(
     path: *const c_char,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`accumulator`), clause `texts` (`path`).
         let (own, path) = unsafe { (known_mut(accumulator)?, self::path("path", path)?) };
         own.change(&mut RowFile::open(path)?, None, false)
     })
@@ -237,9 +238,9 @@ pub unsafe extern "C" fn cata_accumulator_merge(
     other: *const cata_accumulator,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise; the copy is made before the other one is changed.
+        // SAFETY: clause `handles` (`other`); it is copied before `accumulator`, which may be the same.
         let others = unsafe { known(other) }?.sum.try_clone()?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`accumulator`).
         let own = unsafe { known_mut(accumulator) }?;
         // Checked on a copy, because sums that do not fit would be lost.
         let mut merged = own.sum.try_clone()?;
@@ -262,7 +263,8 @@ pub unsafe extern "C" fn cata_accumulator_rows(
     mean: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`rows`, one value; `weight`, one value; `mean`, `sum.ncols()`
+        // elements), clause `handles` (`accumulator`).
         let (sum, rows, weight, mean) = unsafe {
             let sum = &known(accumulator)?.sum;
             (
@@ -300,7 +302,8 @@ pub unsafe extern "C" fn cata_accumulator_gram(
 ) -> cata_status {
     boundary(|| {
         let (layout, uplo) = (Layout::new(layout)?, uplo_from(uplo)?);
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`c`, `sum.ncols()` x `sum.ncols()`), clause `handles`
+        // (`accumulator`).
         let (sum, mut c) = unsafe {
             let sum = &known(accumulator)?.sum;
             (sum, matrix_mut("c", layout, sum.ncols(), sum.ncols(), c, ldc)?)
@@ -338,7 +341,8 @@ pub unsafe extern "C" fn cata_accumulator_lstsq(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`accumulator`), clause `structs` (`params`), clause `passed on`
+        // (`LeastSquaresOutputs::new`).
         let (own, outputs, params) = unsafe {
             let own = known(accumulator)?;
             let n = own.sum.ncols();
@@ -379,7 +383,8 @@ pub unsafe extern "C" fn cata_accumulator_pca(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`accumulator`), clause `structs` (`params`), clause `passed on`
+        // (`ComponentOutputs::new`).
         let (own, outputs, params) = unsafe {
             let own = known(accumulator)?;
             let n = own.sum.ncols();
@@ -456,7 +461,8 @@ unsafe fn change(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`a`, m x `own.sum.ncols()`; `weights`, `m` elements), clause
+        // `handles` (`accumulator`).
         let (own, a, weights) = unsafe {
             let own = known_mut(accumulator)?;
             let a = matrix("a", layout, m, own.sum.ncols(), a, lda)?;
@@ -472,7 +478,7 @@ unsafe fn change(
 /// # Safety
 /// NULL or alive.
 unsafe fn known<'a>(accumulator: *const cata_accumulator) -> Result<&'a cata_accumulator, Failure> {
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `handles` (`accumulator`).
     let own = unsafe { pointer::known("accumulator", accumulator) }?;
     own.check()?;
     Ok(own)
@@ -485,7 +491,7 @@ unsafe fn known<'a>(accumulator: *const cata_accumulator) -> Result<&'a cata_acc
 unsafe fn known_mut<'a>(
     accumulator: *mut cata_accumulator,
 ) -> Result<&'a mut cata_accumulator, Failure> {
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `handles` (`accumulator`).
     let own = unsafe { pointer::known_mut("accumulator", accumulator) }?;
     own.check()?;
     Ok(own)

@@ -45,7 +45,7 @@ pub unsafe extern "C" fn cata_aha_c64(
     params: *const cata_ata_params,
 ) -> cata_status {
     let (a, c) = (a.cast::<Complex<f64>>(), c.cast::<Complex<f64>>());
-    // SAFETY: the promises are the same; a Complex is two reals, without more alignment.
+    // SAFETY: clause `passed on` (`symmetric`); a Complex is two reals, without more alignment.
     unsafe {
         symmetric(layout, uplo, (m, n, a, lda), (n, c, ldc), params, |a, c, options| {
             aha_into(alpha, a, beta, c, options)
@@ -72,7 +72,7 @@ pub unsafe extern "C" fn cata_aha_c32(
     params: *const cata_ata_params,
 ) -> cata_status {
     let (a, c) = (a.cast::<Complex<f32>>(), c.cast::<Complex<f32>>());
-    // SAFETY: the promises are the same; a Complex is two reals, without more alignment.
+    // SAFETY: clause `passed on` (`symmetric`); a Complex is two reals, without more alignment.
     unsafe {
         symmetric(layout, uplo, (m, n, a, lda), (n, c, ldc), params, |a, c, options| {
             aha_into(alpha, a, beta, c, options)
@@ -105,7 +105,7 @@ pub unsafe extern "C" fn cata_ahb_c64(
     ldc: usize,
     params: *const cata_ata_params,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `passed on` (`ahb`).
     unsafe { ahb(layout, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc, params) }
 }
 
@@ -129,7 +129,7 @@ pub unsafe extern "C" fn cata_ahb_c32(
     ldc: usize,
     params: *const cata_ata_params,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `passed on` (`ahb`).
     unsafe { ahb(layout, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc, params) }
 }
 
@@ -153,7 +153,8 @@ unsafe fn ahb<T: BlasReal>(
     params: *const cata_ata_params,
 ) -> cata_status {
     let (a, b, c) = (a.cast::<Complex<T>>(), b.cast(), c.cast());
-    // SAFETY: the caller's promise; a Complex is two reals, without more alignment.
+    // SAFETY: clause `memory` (`alpha` and `beta`, 2 elements each), clause `passed on`
+    // (`general`); a Complex is two reals, without more alignment.
     unsafe {
         general(layout, (m, a, lda, n), (b, ldb, k), (c, ldc), params, |a, b, c, options| {
             let [alpha, beta] = [slice("alpha", alpha, 2)?, slice("beta", beta, 2)?]

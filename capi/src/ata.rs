@@ -53,7 +53,7 @@ pub unsafe extern "C" fn cata_ata_f64(
     ldc: usize,
     params: *const cata_ata_params,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `passed on` (`symmetric`).
     unsafe {
         symmetric(layout, uplo, (m, n, a, lda), (n, c, ldc), params, |a, c, options| {
             ata_into(alpha, a, beta, c, options)
@@ -79,7 +79,7 @@ pub unsafe extern "C" fn cata_ata_f32(
     ldc: usize,
     params: *const cata_ata_params,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `passed on` (`symmetric`).
     unsafe {
         symmetric(layout, uplo, (m, n, a, lda), (n, c, ldc), params, |a, c, options| {
             ata_into(alpha, a, beta, c, options)
@@ -106,7 +106,7 @@ pub unsafe extern "C" fn cata_ata_f32_f64(
     ldc: usize,
     params: *const cata_ata_params,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `passed on` (`symmetric`).
     unsafe {
         symmetric(layout, uplo, (m, n, a, lda), (n, c, ldc), params, |a, c, options| {
             if n == 0 {
@@ -128,7 +128,7 @@ pub unsafe extern "C" fn cata_ata_scratch_len_f64(
     params: *const cata_ata_params,
     len: *mut usize,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `passed on` (`ata_scratch_len`).
     unsafe { ata_scratch_len::<f64>(m, n, params, len) }
 }
 
@@ -143,7 +143,7 @@ pub unsafe extern "C" fn cata_ata_scratch_len_f32(
     params: *const cata_ata_params,
     len: *mut usize,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `passed on` (`ata_scratch_len`).
     unsafe { ata_scratch_len::<f32>(m, n, params, len) }
 }
 
@@ -168,7 +168,8 @@ pub unsafe extern "C" fn cata_ata_with_scratch_f64(
     scratch_len: usize,
     params: *const cata_ata_params,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `memory` (`scratch`, `scratch_len` elements), clause `passed on`
+    // (`symmetric`).
     unsafe {
         symmetric(layout, uplo, (m, n, a, lda), (n, c, ldc), params, |a, c, options| {
             let scratch = slice_mut("scratch", scratch, scratch_len)?;
@@ -197,7 +198,8 @@ pub unsafe extern "C" fn cata_ata_with_scratch_f32(
     scratch_len: usize,
     params: *const cata_ata_params,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `memory` (`scratch`, `scratch_len` elements), clause `passed on`
+    // (`symmetric`).
     unsafe {
         symmetric(layout, uplo, (m, n, a, lda), (n, c, ldc), params, |a, c, options| {
             let scratch = slice_mut("scratch", scratch, scratch_len)?;
@@ -224,7 +226,7 @@ pub unsafe extern "C" fn cata_aat_f64(
     ldc: usize,
     params: *const cata_ata_params,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `passed on` (`symmetric`).
     unsafe {
         symmetric(layout, uplo, (m, n, a, lda), (m, c, ldc), params, |a, c, options| {
             aat_into(alpha, a, beta, c, options)
@@ -250,7 +252,7 @@ pub unsafe extern "C" fn cata_aat_f32(
     ldc: usize,
     params: *const cata_ata_params,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `passed on` (`symmetric`).
     unsafe {
         symmetric(layout, uplo, (m, n, a, lda), (m, c, ldc), params, |a, c, options| {
             aat_into(alpha, a, beta, c, options)
@@ -276,7 +278,7 @@ where
 {
     boundary(|| {
         let (layout, uplo) = (Layout::new(layout)?, uplo_from(uplo)?);
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`a`, m x n; `c`, `side` x `side`), clause `structs` (`params`).
         unsafe {
             let a = matrix("a", layout, m, n, a, lda)?;
             let c = matrix_mut("c", layout, side, side, c, ldc)?;
@@ -308,7 +310,7 @@ unsafe fn ata_scratch_len<T: BlasReal>(
     params: *const cata_ata_params,
     len: *mut usize,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `passed on` (`scratch_len`).
     unsafe {
         scratch_len::<T>(&[("a", m, n), ("c", n, n)], params, len, |options| {
             Ok(Plan::ata::<T>(m, n, options)?.scratch_len::<T>(options.par))
@@ -327,7 +329,7 @@ pub(super) unsafe fn scratch_len<T>(
     find: impl FnOnce(&AtaOptions<'_>) -> catamaran::Result<usize>,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`len`, one value).
         let len = unsafe { output("len", len) }?;
         for &(what, rows, columns) in matrices {
             check_size::<T>(what, rows, columns)?;
@@ -336,7 +338,7 @@ pub(super) unsafe fn scratch_len<T>(
             *len = find(options)?;
             Ok(())
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         unsafe { with_options(params, Uplo::Lower, work) }
     })
 }

@@ -36,7 +36,7 @@ pub unsafe extern "C" fn cata_ata_batched_f64(
     params: *const cata_ata_params,
 ) -> cata_status {
     let (a, c) = (Starts::Every(a, stride_a), Starts::Every(c.cast_const(), stride_c));
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `passed on` (`batched`).
     unsafe { batched(layout, uplo, [count, m, n], alpha, (a, lda), beta, (c, ldc), params) }
 }
 
@@ -62,7 +62,7 @@ pub unsafe extern "C" fn cata_ata_batched_f32(
     params: *const cata_ata_params,
 ) -> cata_status {
     let (a, c) = (Starts::Every(a, stride_a), Starts::Every(c.cast_const(), stride_c));
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `passed on` (`batched`).
     unsafe { batched(layout, uplo, [count, m, n], alpha, (a, lda), beta, (c, ldc), params) }
 }
 
@@ -87,7 +87,7 @@ pub unsafe extern "C" fn cata_ata_batched_pointers_f64(
     params: *const cata_ata_params,
 ) -> cata_status {
     let (a, c) = (Starts::At(a), Starts::At(c.cast()));
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `passed on` (`batched`).
     unsafe { batched(layout, uplo, [count, m, n], alpha, (a, lda), beta, (c, ldc), params) }
 }
 
@@ -111,7 +111,7 @@ pub unsafe extern "C" fn cata_ata_batched_pointers_f32(
     params: *const cata_ata_params,
 ) -> cata_status {
     let (a, c) = (Starts::At(a), Starts::At(c.cast()));
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `passed on` (`batched`).
     unsafe { batched(layout, uplo, [count, m, n], alpha, (a, lda), beta, (c, ldc), params) }
 }
 
@@ -132,7 +132,7 @@ unsafe fn batched<T: BlasReal>(
     boundary(|| {
         let (layout, uplo) = (Layout::new(layout)?, uplo_from(uplo)?);
         let mut all = Vec::new();
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`), clause `passed on` (`matrices`, `matrices_mut`).
         unsafe {
             let a = matrices("a", layout, [count, m, n], a, lda, &mut all)?;
             let mut c = matrices_mut("c", layout, [count, n, n], c, ldc, &mut all)?;

@@ -87,7 +87,7 @@ pub unsafe extern "C" fn cata_ata_params_init(
     params: *mut cata_ata_params,
     struct_size: usize,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `structs` (`params`).
     unsafe { init(params, struct_size) }
 }
 
@@ -104,7 +104,7 @@ pub(super) unsafe fn with_options(
     if params.is_null() {
         return work(&options);
     }
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `passed on` (`read`).
     let params = unsafe { read("params", params) }?;
     at_most("params.leaf", params.leaf, MOST_LEAF)?;
     at_most("params.tasks", params.tasks, MOST_TASKS)?;

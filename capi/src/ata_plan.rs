@@ -24,7 +24,7 @@ pub unsafe extern "C" fn cata_ata_plan_f64(
     size: usize,
     text: *mut c_char,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `passed on` (`plan`).
     unsafe { plan::<f64>(m, n, params, size, text) }
 }
 
@@ -40,7 +40,7 @@ pub unsafe extern "C" fn cata_ata_plan_f32(
     size: usize,
     text: *mut c_char,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `passed on` (`plan`).
     unsafe { plan::<f32>(m, n, params, size, text) }
 }
 
@@ -56,7 +56,7 @@ unsafe fn plan<T: BlasReal>(
     text: *mut c_char,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`text`, `size` elements), clause `structs` (`params`).
         unsafe {
             let text = slice_mut("text", text, size)?;
             with_options(params, Uplo::Lower, |options| {

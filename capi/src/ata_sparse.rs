@@ -35,7 +35,7 @@ pub unsafe extern "C" fn cata_ata_sparse_f64(
     ldc: usize,
     params: *const cata_ata_params,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `passed on` (`product`).
     unsafe {
         product(
             layout, uplo, m, n, alpha, row_starts, columns, entries, weights, beta, c, ldc, params,
@@ -63,7 +63,7 @@ pub unsafe extern "C" fn cata_ata_sparse_f32(
     ldc: usize,
     params: *const cata_ata_params,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `passed on` (`product`).
     unsafe {
         product(
             layout, uplo, m, n, alpha, row_starts, columns, entries, weights, beta, c, ldc, params,
@@ -92,7 +92,8 @@ unsafe fn product<T: BlasReal>(
 ) -> cata_status {
     boundary(|| {
         let (layout, uplo) = (Layout::new(layout)?, uplo_from(uplo)?);
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the CSR arrays; `weights`, `m` elements; `c`, n x n), clause
+        // `structs` (`params`).
         unsafe {
             let a = sparse(m, n, row_starts, columns, entries)?;
             let weights = optional_slice("weights", weights, m)?;

@@ -29,7 +29,7 @@ pub unsafe extern "C" fn cata_atb_f64(
     ldc: usize,
     params: *const cata_ata_params,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `passed on` (`general`).
     unsafe {
         general(layout, (m, a, lda, n), (b, ldb, k), (c, ldc), params, |a, b, c, options| {
             atb_into(alpha, a, b, beta, c, options)
@@ -57,7 +57,7 @@ pub unsafe extern "C" fn cata_atb_f32(
     ldc: usize,
     params: *const cata_ata_params,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `passed on` (`general`).
     unsafe {
         general(layout, (m, a, lda, n), (b, ldb, k), (c, ldc), params, |a, b, c, options| {
             atb_into(alpha, a, b, beta, c, options)
@@ -77,7 +77,7 @@ pub unsafe extern "C" fn cata_atb_scratch_len_f64(
     params: *const cata_ata_params,
     len: *mut usize,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `passed on` (`atb_scratch_len`).
     unsafe { atb_scratch_len::<f64>(m, n, k, params, len) }
 }
 
@@ -93,7 +93,7 @@ pub unsafe extern "C" fn cata_atb_scratch_len_f32(
     params: *const cata_ata_params,
     len: *mut usize,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `passed on` (`atb_scratch_len`).
     unsafe { atb_scratch_len::<f32>(m, n, k, params, len) }
 }
 
@@ -120,7 +120,7 @@ pub unsafe extern "C" fn cata_atb_with_scratch_f64(
     scratch_len: usize,
     params: *const cata_ata_params,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `memory` (`scratch`, `scratch_len` elements), clause `passed on` (`general`).
     unsafe {
         general(layout, (m, a, lda, n), (b, ldb, k), (c, ldc), params, |a, b, c, options| {
             let scratch = slice_mut("scratch", scratch, scratch_len)?;
@@ -152,7 +152,7 @@ pub unsafe extern "C" fn cata_atb_with_scratch_f32(
     scratch_len: usize,
     params: *const cata_ata_params,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `memory` (`scratch`, `scratch_len` elements), clause `passed on` (`general`).
     unsafe {
         general(layout, (m, a, lda, n), (b, ldb, k), (c, ldc), params, |a, b, c, options| {
             let scratch = slice_mut("scratch", scratch, scratch_len)?;
@@ -180,7 +180,8 @@ where
 {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`a`, m x n; `b`, m x k; `c`, n x k), clause `structs`
+        // (`params`).
         unsafe {
             let a = matrix("a", layout, m, n, a, lda)?;
             let b = matrix("b", layout, m, k, b, ldb)?;
@@ -201,7 +202,7 @@ unsafe fn atb_scratch_len<T: BlasReal>(
     params: *const cata_ata_params,
     len: *mut usize,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `passed on` (`scratch_len`).
     unsafe {
         scratch_len::<T>(&[("a", m, n), ("b", m, k), ("c", n, k)], params, len, |options| {
             Ok(Plan::atb::<T>(m, n, k, options)?.scratch_len::<T>(options.par))

@@ -52,7 +52,7 @@ pub unsafe extern "C" fn cata_backend_load(
     backend: *mut *mut cata_backend,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`backend`, one value), clause `texts` (`path`).
         let (path, backend) = unsafe { (self::path("path", path)?, output("backend", backend)?) };
         *backend = Box::into_raw(Box::new(cata_backend::new(blas::load(&path)?)));
         Ok(())
@@ -66,7 +66,7 @@ pub unsafe extern "C" fn cata_backend_load(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_backend_openblas(backend: *mut *mut cata_backend) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`backend`, one value).
         let backend = unsafe { output("backend", backend) }?;
         #[cfg(feature = "openblas")]
         {
@@ -88,7 +88,7 @@ pub unsafe extern "C" fn cata_backend_openblas(backend: *mut *mut cata_backend) 
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_backend_name(backend: *const cata_backend) -> *const c_char {
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `handles` (`backend`); NULL gives the default.
     unsafe { backend.as_ref() }.map_or(c"".as_ptr(), |b| b.name.as_ptr())
 }
 
@@ -98,6 +98,6 @@ pub unsafe extern "C" fn cata_backend_name(backend: *const cata_backend) -> *con
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_backend_free(backend: *mut cata_backend) {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `handles` (`backend`).
     unsafe { free(backend) };
 }

@@ -113,7 +113,7 @@ pub unsafe extern "C" fn cata_basis_params_init(
     params: *mut cata_basis_params,
     struct_size: usize,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `structs` (`params`).
     unsafe { init(params, struct_size) }
 }
 
@@ -138,7 +138,8 @@ pub unsafe extern "C" fn cata_basis_new(
     basis: *mut *mut cata_basis,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`masses`, `n` elements; `eigenvalues`, `k` elements; `v`, n x k;
+        // `basis`, one value).
         let (masses, values, vectors, place) = unsafe {
             (
                 slice("masses", masses, n)?,
@@ -154,7 +155,7 @@ pub unsafe extern "C" fn cata_basis_new(
             })?;
             Ok(made(Functions::Eigen(eigen), options.par))
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         *place = unsafe { with_basis_options(params, work) }?;
         Ok(())
     })
@@ -175,7 +176,7 @@ pub unsafe extern "C" fn cata_basis_products(
     basis: *mut *mut cata_basis,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`basis`, one value), clause `handles` (`eigenfunctions`).
         let (eigen, place) =
             unsafe { (known("eigenfunctions", eigenfunctions)?, output("basis", basis)?) };
         let eigen = eigen.eigen("eigenfunctions")?;
@@ -183,7 +184,7 @@ pub unsafe extern "C" fn cata_basis_products(
             let products = options.products(eigen, options.progress)?;
             Ok(made(Functions::Products(products), options.par))
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         *place = unsafe { with_basis_options(params, work) }?;
         Ok(())
     })
@@ -195,7 +196,7 @@ pub unsafe extern "C" fn cata_basis_products(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_basis_free(basis: *mut cata_basis) {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `handles` (`basis`).
     unsafe { free(basis) };
 }
 
@@ -212,7 +213,7 @@ pub unsafe extern "C" fn cata_basis_size(
     products: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`basis`), clause `passed on` (`optional_output`).
         let (basis, places) = unsafe {
             let places = [("n", n), ("r", r), ("products", products)];
             let [n, r, products] = places.map(|(what, place)| optional_output(what, place));
@@ -246,12 +247,13 @@ pub unsafe extern "C" fn cata_basis_copy(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`basis`).
         let basis = unsafe { known("basis", basis) }?;
         let functions = basis.basis().functions();
         let (n, r) = functions.shape();
         let mut parts = Vec::new();
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`q`, n x r; `triangle`, r x `from.ncols()`; `kept`, `r`
+        // elements).
         unsafe {
             if !q.is_null() {
                 parts.push((matrix_mut("q", layout, n, r, q, ldq)?, functions));
@@ -288,7 +290,8 @@ pub unsafe extern "C" fn cata_basis_analysis(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`f`, `basis.basis().vertices()` x `count`; `c`,
+        // `basis.basis().len()` x `count`), clause `handles` (`basis`).
         let (basis, f, mut c) = unsafe {
             let basis = known("basis", basis)?;
             let f = matrix("f", layout, basis.basis().vertices(), count, f, ldf)?;
@@ -315,7 +318,8 @@ pub unsafe extern "C" fn cata_basis_synthesis(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`c`, `basis.basis().len()` x `count`; `f`,
+        // `basis.basis().vertices()` x `count`), clause `handles` (`basis`).
         let (basis, c, mut f) = unsafe {
             let basis = known("basis", basis)?;
             let c = matrix("c", layout, basis.basis().len(), count, c, ldc)?;
@@ -346,7 +350,8 @@ pub unsafe extern "C" fn cata_basis_filter(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`f`, n x `count`; `gains`, `basis.basis().len()` elements; `g`,
+        // n x `count`), clause `handles` (`basis`).
         let (basis, f, gains, mut g) = unsafe {
             let basis = known("basis", basis)?;
             let n = basis.basis().vertices();
@@ -378,7 +383,8 @@ pub unsafe extern "C" fn cata_basis_add_coefficient(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`f`, `basis.basis().vertices()` x `count`), clause `handles`
+        // (`basis`).
         let (basis, mut f) = unsafe {
             let basis = known("basis", basis)?;
             (basis, matrix_mut("f", layout, basis.basis().vertices(), count, f, ldf)?)
@@ -408,7 +414,8 @@ pub unsafe extern "C" fn cata_basis_split(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`f`, n x `count`; `low`, n x `count`; `high`, n x `count`),
+        // clause `handles` (`basis`).
         let (basis, f, mut low, mut high) = unsafe {
             let basis = known("basis", basis)?;
             let n = basis.basis().vertices();
@@ -462,7 +469,7 @@ pub(super) unsafe fn with_basis_options<X>(
     params: *const cata_basis_params,
     work: impl FnOnce(&BasisOptions<'_>) -> Result<X, Failure>,
 ) -> Result<X, Failure> {
-    // SAFETY: passed on to the caller.
+    // SAFETY: clause `structs` (`params`).
     unsafe {
         with_params(params, |params, progress| {
             let order = or_default(params.order, 2);

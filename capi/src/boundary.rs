@@ -57,7 +57,7 @@ pub(super) unsafe fn text<'a>(what: &str, text: *const c_char) -> Result<&'a CSt
     if text.is_null() {
         return Err(Failure::null(what));
     }
-    // SAFETY: not NULL; the rest is passed on to the caller.
+    // SAFETY: not NULL; clause `texts`: it ends with a NUL and is not written during `'a`.
     Ok(unsafe { CStr::from_ptr(text) })
 }
 
@@ -66,7 +66,7 @@ pub(super) unsafe fn text<'a>(what: &str, text: *const c_char) -> Result<&'a CSt
 /// # Safety
 /// As [`text`].
 pub(super) unsafe fn path(what: &str, path: *const c_char) -> Result<PathBuf, Failure> {
-    // SAFETY: passed on to the caller.
+    // SAFETY: clause `texts` (`path`).
     let path = unsafe { text(what, path) }?;
     if path.is_empty() {
         return Err(Failure::new(CATA_ERR_ARGUMENT, format!("{what}: must not be empty")));

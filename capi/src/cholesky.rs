@@ -70,7 +70,7 @@ pub unsafe extern "C" fn cata_cholesky_params_init(
     params: *mut cata_cholesky_params,
     struct_size: usize,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `structs` (`params`).
     unsafe { init(params, struct_size) }
 }
 
@@ -94,7 +94,8 @@ pub unsafe extern "C" fn cata_cholesky_analyse(
     cholesky: *mut *mut cata_cholesky,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the CSR arrays; `params.order`, `n` elements; `cholesky`, one
+        // value), clause `structs` (`params`).
         let (places, params, order, handle) = unsafe {
             let places = pattern(n, n, row_starts, columns)?;
             let params = read_or_zeros("params", params)?;
@@ -116,7 +117,7 @@ pub unsafe extern "C" fn cata_cholesky_analyse(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_cholesky_free(cholesky: *mut cata_cholesky) {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `handles` (`cholesky`).
     unsafe { free(cholesky) };
 }
 
@@ -134,7 +135,7 @@ pub unsafe extern "C" fn cata_cholesky_factor(
     entries: *const f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the CSR arrays), clause `handles` (`cholesky`).
         let (handle, a) = unsafe {
             let handle = known_mut("cholesky", cholesky)?;
             let n = handle.cholesky.n();
@@ -159,7 +160,8 @@ pub unsafe extern "C" fn cata_cholesky_solve(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`x`, `handle.cholesky.n()` x `count`), clause `handles`
+        // (`cholesky`).
         let (handle, x) = unsafe {
             let handle = known("cholesky", cholesky)?;
             (handle, matrix_mut("x", layout, handle.cholesky.n(), count, x, ldx)?)
@@ -190,7 +192,8 @@ pub unsafe extern "C" fn cata_cholesky_solve_rows(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`b`, `handle.cholesky.n()` x `count`; `rows`, `n_rows` elements;
+        // `x`, `n_rows` x `count`), clause `handles` (`cholesky`).
         let (handle, b, rows, mut x) = unsafe {
             let handle = known("cholesky", cholesky)?;
             (
@@ -218,7 +221,7 @@ pub unsafe extern "C" fn cata_cholesky_size(
     held: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`cholesky`), clause `passed on` (`optional_output`).
         let (handle, places) = unsafe {
             let places = [("n", n), ("entries", entries), ("held", held)];
             let [n, entries, held] = places.map(|(what, place)| optional_output(what, place));
@@ -247,7 +250,7 @@ pub unsafe extern "C" fn cata_cholesky_held(
     held: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`held`, `found.len()` elements), clause `handles` (`cholesky`).
         let (found, place) = unsafe {
             let found = known("cholesky", cholesky)?.cholesky.held();
             (found, slice_mut("held", held, found.len())?)
@@ -270,7 +273,8 @@ pub unsafe extern "C" fn cata_cholesky_weakest(
     ratio: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`row`, one value; `ratio`, one value), clause `handles`
+        // (`cholesky`).
         let (handle, row, ratio) = unsafe {
             (
                 known("cholesky", cholesky)?,

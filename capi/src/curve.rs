@@ -103,7 +103,7 @@ pub unsafe extern "C" fn cata_curve_params_init(
     params: *mut cata_curve_params,
     struct_size: usize,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `structs` (`params`).
     unsafe { init(params, struct_size) }
 }
 
@@ -120,7 +120,8 @@ pub unsafe extern "C" fn cata_curve_solver_new(
     solver: *mut *mut cata_curve_solver,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `solver`, one
+        // value).
         let (mesh, place) =
             unsafe { (mesh(n_vertices, vertices, n_faces, faces)?, output("solver", solver)?) };
         let solver = CurveSolver::owning(mesh)?;
@@ -153,7 +154,9 @@ pub unsafe extern "C" fn cata_curve_solver_new_at(
 ) -> cata_status {
     boundary(|| {
         check_size::<f64>("weights", count, 3)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `places`,
+        // `count` elements; `weights`, `3 * count` elements; `samples`, `count` elements; `solver`,
+        // one value).
         let (mesh, places, weights, samples, to) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,
@@ -185,7 +188,7 @@ pub unsafe extern "C" fn cata_curve_solver_new_at(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_curve_solver_free(solver: *mut cata_curve_solver) {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `handles` (`solver`).
     unsafe { free(solver) };
 }
 
@@ -206,7 +209,7 @@ pub unsafe extern "C" fn cata_curve_solver_find(
     curves: *mut *mut cata_curves,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`samples`, `count` elements; `curves`, one value).
         let (solver, samples, curves) = unsafe {
             let solver = solver.as_mut().ok_or_else(|| Failure::null("solver"))?;
             (&mut solver.solver, slice("samples", samples, count)?, output("curves", curves)?)
@@ -219,7 +222,7 @@ pub unsafe extern "C" fn cata_curve_solver_find(
             }
             Ok(found)
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         let found = unsafe { with_params(params, work) }?;
         hand_over(curves, cata_curves { found });
         Ok(())
@@ -251,7 +254,7 @@ pub(super) fn options(params: &cata_curve_params) -> Result<CurveOptions<'static
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_curves_free(curves: *mut cata_curves) {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `handles` (`curves`).
     unsafe { free(curves) };
 }
 
@@ -269,7 +272,8 @@ pub unsafe extern "C" fn cata_curves_outcome(
     left_out: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`outcome`, one value; `count`, one value; `left_out`, one
+        // value), clause `handles` (`curves`).
         let (found, outcome, numbers) = unsafe {
             (
                 &known("curves", curves)?.found,
@@ -302,7 +306,8 @@ pub unsafe extern "C" fn cata_curves_size(
     length: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`n_samples`, one value; `n_vertices`, one value; `n_points`, one
+        // value; `length`, one value), clause `handles` (`curves`).
         let (curve, numbers, length) = unsafe {
             (
                 one(known("curves", curves)?, curve)?,
@@ -340,7 +345,9 @@ pub unsafe extern "C" fn cata_curves_get(
     points: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`order`, `curve.order.len()` elements; `path`,
+        // `curve.path.len()` elements; `points`, `3 * curve.points.len()` elements), clause
+        // `handles` (`curves`).
         let (curve, order, path, points) = unsafe {
             let curve = one(known("curves", curves)?, curve)?;
             (
@@ -367,7 +374,7 @@ pub unsafe extern "C" fn cata_curves_left_out(
     samples: *mut u32,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`samples`, `own.len()` elements), clause `handles` (`curves`).
         let (own, samples) = unsafe {
             let own = &known("curves", curves)?.found.left_out;
             (own, slice_mut("samples", samples, own.len())?)

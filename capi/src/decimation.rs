@@ -90,7 +90,7 @@ pub unsafe extern "C" fn cata_decimation_params_init(
     params: *mut cata_decimation_params,
     struct_size: usize,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `structs` (`params`).
     unsafe { init(params, struct_size) }
 }
 
@@ -116,11 +116,12 @@ pub unsafe extern "C" fn cata_decimation_new(
     decimation: *mut *mut cata_decimation,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `decimation`,
+        // one value).
         let (input, place) = unsafe {
             (mesh(n_vertices, vertices, n_faces, faces)?, output("decimation", decimation)?)
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         let (found, par) = unsafe {
             with_options(params, |options| Ok((decimate(&input, n, options)?, options.par)))
         }?;
@@ -135,7 +136,7 @@ pub unsafe extern "C" fn cata_decimation_new(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_decimation_free(decimation: *mut cata_decimation) {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `handles` (`decimation`).
     unsafe { free(decimation) };
 }
 
@@ -153,7 +154,8 @@ pub unsafe extern "C" fn cata_decimation_size(
     repaired: *mut i32,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`n_vertices`, one value; `n_faces`, one value; `repaired`, one
+        // value), clause `handles` (`decimation`).
         let (found, n_vertices, n_faces, repaired) = unsafe {
             (
                 &known("decimation", decimation)?.found,
@@ -181,7 +183,7 @@ pub unsafe extern "C" fn cata_decimation_get(
     faces: *mut u32,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`decimation`), clause `passed on` (`fill_mesh`).
         unsafe { fill_mesh(&known("decimation", decimation)?.found.mesh, vertices, faces) }
     })
 }
@@ -205,7 +207,9 @@ pub unsafe extern "C" fn cata_decimation_places(
     weights: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`cells`, `before` elements; `distances`, `before` elements;
+        // `places`, `after` elements; `weights`, `3 * after` elements), clause `handles`
+        // (`decimation`).
         let (found, cells, distances, places, weights) = unsafe {
             let found = &known("decimation", decimation)?.found;
             let (before, after) = (found.cells.of_vertices().len(), found.places.len());
@@ -240,7 +244,8 @@ pub unsafe extern "C" fn cata_decimation_carry(
     carried: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`values`, `before * width` elements; `carried`, `after * width`
+        // elements), clause `handles` (`decimation`).
         let (own, values, carried) = unsafe {
             let own = known("decimation", decimation)?;
             let (before, after) = (own.input.vertices().len(), own.found.mesh.vertices().len());
@@ -267,7 +272,8 @@ pub unsafe extern "C" fn cata_decimation_prolong(
     prolonged: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`values`, `after * width` elements; `prolonged`, `before *
+        // width` elements), clause `handles` (`decimation`).
         let (own, values, prolonged) = unsafe {
             let own = known("decimation", decimation)?;
             let (before, after) = (own.input.vertices().len(), own.found.mesh.vertices().len());
@@ -311,7 +317,7 @@ pub unsafe extern "C" fn cata_decimation_eigs(
     params: *const cata_eigs_params,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`decimation`).
         let own = unsafe { known("decimation", decimation) }?;
         let find = |operator: &Laplacian, of: &LaplacianOptions, options: &EigenOptions<'_>| {
             if of.boundary == Boundary::Dirichlet {
@@ -324,7 +330,7 @@ pub unsafe extern "C" fn cata_decimation_eigs(
             Ok(eigs_two_level(operator.stiffness.view(), &operator.mass, p.view(), options)?)
         };
         let input = &own.input;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `passed on` (`write_eigs`).
         unsafe {
             write_eigs(input, k, eigenvalues, eigenvectors, ldv, residuals, masses, params, find)
         }
@@ -345,7 +351,8 @@ pub unsafe extern "C" fn cata_decimation_carry_uv(
     carried: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`uv`, `6 * own.input.faces().len()` elements; `carried`, `6 *
+        // own.found.mesh.faces().len()` elements), clause `handles` (`decimation`).
         let (own, uv, carried) = unsafe {
             let own = known("decimation", decimation)?;
             let uv = slice("uv", uv, 6 * own.input.faces().len())?;
@@ -392,7 +399,8 @@ pub unsafe extern "C" fn cata_decimation_farthest_points(
     params: *const cata_decimation_params,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `samples`,
+        // `n` elements; `nearest`, `n_vertices` elements; `distances`, `n_vertices` elements).
         let (mesh, samples, nearest, distances) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,
@@ -409,7 +417,7 @@ pub unsafe extern "C" fn cata_decimation_farthest_points(
             points.extend_to(n, options.progress)?;
             Ok((points.samples().to_vec(), points.cells()))
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         let (found, cells) = unsafe { with_options(params, work) }?;
         samples.copy_from_slice(&found);
         fill_slice(nearest, cells.of_vertices());
@@ -447,7 +455,7 @@ pub(super) unsafe fn with_options<X>(
             .progress(progress);
         Ok(work(&options)?)
     };
-    // SAFETY: passed on to the caller.
+    // SAFETY: clause `structs` (`params`).
     unsafe { with_params(params, work) }
 }
 

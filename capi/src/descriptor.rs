@@ -55,7 +55,7 @@ pub unsafe extern "C" fn cata_descriptor_params_init(
     params: *mut cata_descriptor_params,
     struct_size: usize,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `structs` (`params`).
     unsafe { init(params, struct_size) }
 }
 
@@ -87,7 +87,8 @@ pub unsafe extern "C" fn cata_descriptor_heat(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`times`, `count` elements; `signature`, n x `count`), clause
+        // `structs` (`params`), clause `passed on` (`Pairs::new`).
         let (pairs, times, mut signature, params) = unsafe {
             (
                 Pairs::new(layout, n, k, eigenvalues, eigenvectors, ldv)?,
@@ -128,7 +129,7 @@ pub unsafe extern "C" fn cata_descriptor_heat_times(
     times: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`eigenvalues`, `k` elements; `times`, `count` elements).
         let (values, times) =
             unsafe { (slice("eigenvalues", eigenvalues, k)?, slice_mut("times", times, count)?) };
         times.copy_from_slice(&heat_times(values, count)?);
@@ -155,7 +156,7 @@ pub unsafe extern "C" fn cata_descriptor_heat_kernel(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`heat`, `n` elements), clause `passed on` (`Pairs::new`).
         let (pairs, heat) = unsafe {
             (Pairs::new(layout, n, k, eigenvalues, eigenvectors, ldv)?, slice_mut("heat", heat, n)?)
         };
@@ -192,7 +193,8 @@ pub unsafe extern "C" fn cata_descriptor_wave(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`energies`, `count` elements; `signature`, n x `count`), clause
+        // `structs` (`params`), clause `passed on` (`Pairs::new`).
         let (pairs, energies, mut signature, params) = unsafe {
             (
                 Pairs::new(layout, n, k, eigenvalues, eigenvectors, ldv)?,
@@ -225,7 +227,8 @@ pub unsafe extern "C" fn cata_descriptor_wave_scales(
     sigma: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`eigenvalues`, `k` elements; `energies`, `count` elements;
+        // `sigma`, one value).
         let (values, energies, sigma) = unsafe {
             (
                 slice("eigenvalues", eigenvalues, k)?,
@@ -262,7 +265,8 @@ pub unsafe extern "C" fn cata_descriptor_points(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`count`, one value; `signature`, n x k), clause `passed on`
+        // (`Pairs::new`).
         let (pairs, count, signature) = unsafe {
             (
                 Pairs::new(layout, n, k, eigenvalues, eigenvectors, ldv)?,
@@ -300,7 +304,8 @@ pub unsafe extern "C" fn cata_descriptor_shot(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `signature`,
+        // `n_vertices` x `SHOT_BINS`), clause `structs` (`params`).
         let (mesh, mut signature, params) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,
@@ -347,7 +352,9 @@ pub unsafe extern "C" fn cata_descriptor_rings(
         let layout = Layout::new(layout)?;
         // More columns than that exceed the address space, which is then said.
         let columns = count.saturating_add(1).saturating_mul(rings);
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `f`,
+        // `n_vertices` x `count`; `signature`, `n_vertices` x `columns`), clause `structs`
+        // (`params`).
         let (mesh, f, mut signature, params) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,
@@ -385,7 +392,7 @@ impl Pairs<'_> {
         eigenvectors: *const f64,
         ldv: usize,
     ) -> Result<Self, Failure> {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`eigenvalues`, `k` elements; `v`, n x k).
         unsafe {
             Ok(Self {
                 values: slice("eigenvalues", eigenvalues, k)?,

@@ -39,7 +39,7 @@ pub const CATA_DEVICE_OTHER: i32 = 2;
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_device_count(count: *mut usize) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`count`, one value).
         let count = unsafe { output("count", count) }?;
         *count = all()?.len();
         Ok(())
@@ -57,7 +57,7 @@ pub unsafe extern "C" fn cata_device_name(
     name: *mut c_char,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`name`, `size` elements).
         let name = unsafe { slice_mut("name", name, size) }?;
         let (found, _) = numbered(index)?;
         write_text(name, &found);
@@ -72,7 +72,7 @@ pub unsafe extern "C" fn cata_device_name(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_device_kind(index: usize, kind: *mut i32) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`kind`, one value).
         let kind = unsafe { output("kind", kind) }?;
         *kind = numbered(index)?.1;
         Ok(())
@@ -87,7 +87,7 @@ pub(super) unsafe fn chosen(selector: *const c_char) -> Result<Option<Device>, F
     if selector.is_null() {
         return Ok(None);
     }
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `texts` (`params.device`).
     let selector = unsafe { text("params.device", selector) }?.to_str();
     let selector =
         selector.map_err(|_| Failure::new(CATA_ERR_ARGUMENT, "params.device: must be UTF-8"))?;

@@ -92,7 +92,7 @@ pub unsafe extern "C" fn cata_distance_params_init(
     params: *mut cata_distance_params,
     struct_size: usize,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `structs` (`params`).
     unsafe { init(params, struct_size) }
 }
 
@@ -111,7 +111,8 @@ pub unsafe extern "C" fn cata_heat_new(
     heat: *mut *mut cata_heat,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `heat`, one
+        // value), clause `structs` (`params`).
         let (mesh, params, place) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,
@@ -132,7 +133,7 @@ pub unsafe extern "C" fn cata_heat_new(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_heat_free(heat: *mut cata_heat) {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `handles` (`heat`).
     unsafe { free(heat) };
 }
 
@@ -152,7 +153,8 @@ pub unsafe extern "C" fn cata_heat_distances(
     distances: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`sources`, `count` elements; `distances`, `own.n_vertices`
+        // elements), clause `handles` (`heat`).
         let (own, sources, distances) = unsafe {
             let own = known("heat", heat)?;
             let sources = slice("sources", sources, count)?;
@@ -190,7 +192,8 @@ pub unsafe extern "C" fn cata_distance_edges(
     params: *const cata_distance_params,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `sources`,
+        // `count` elements), clause `structs` (`params`).
         let (mesh, sources, params) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,
@@ -198,7 +201,8 @@ pub unsafe extern "C" fn cata_distance_edges(
                 read_or_zeros("params", params)?,
             )
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`distances`, `n_vertices` elements; `nearest`, `n_vertices`
+        // elements; `before`, `n_vertices` elements).
         let (distances, nearest, before) = unsafe {
             (
                 slice_mut("distances", distances, n_vertices)?,
@@ -340,7 +344,8 @@ pub unsafe extern "C" fn cata_distance_path(
     path: *mut *mut cata_path,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `path`, one
+        // value), clause `structs` (`params`).
         let (mesh, params, place) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,
@@ -378,7 +383,8 @@ pub unsafe extern "C" fn cata_path_size(
     length: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`n_vertices`, one value; `n_points`, one value; `length`, one
+        // value), clause `handles` (`path`).
         let (own, sizes, length) = unsafe {
             let n_vertices = optional_output("n_vertices", n_vertices)?;
             let sizes = [n_vertices, optional_output("n_points", n_points)?];
@@ -406,7 +412,8 @@ pub unsafe extern "C" fn cata_path_get(
     points: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`vertices`, `own.vertices.len()` elements; `points`,
+        // `places.len()` elements), clause `handles` (`path`).
         unsafe {
             let own = known("path", path)?;
             let places = own.points.as_flattened();
@@ -457,7 +464,7 @@ pub unsafe extern "C" fn cata_path_places(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_path_free(path: *mut cata_path) {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `handles` (`path`).
     unsafe { free(path) };
 }
 

@@ -37,7 +37,8 @@ pub unsafe extern "C" fn cata_drawing_new(
     drawing: *mut *mut cata_drawing,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `drawing`,
+        // one value).
         let (mesh, place) =
             unsafe { (mesh(n_vertices, vertices, n_faces, faces)?, output("drawing", drawing)?) };
         let drawing = Drawing::new(mesh)?;
@@ -52,7 +53,7 @@ pub unsafe extern "C" fn cata_drawing_new(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_drawing_free(drawing: *mut cata_drawing) {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `handles` (`drawing`).
     unsafe { free(drawing) };
 }
 
@@ -73,7 +74,8 @@ pub unsafe extern "C" fn cata_drawing_add(
     params: *const cata_curve_params,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`samples`, `count` elements; `outcome`, one value), clause
+        // `handles` (`drawing`), clause `structs` (`params`).
         let (own, samples, outcome, params) = unsafe {
             (
                 known_mut("drawing", drawing)?,
@@ -111,7 +113,7 @@ pub unsafe extern "C" fn cata_drawing_inscribe(
     drawn: *mut *mut cata_drawn,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`drawn`, one value), clause `handles` (`drawing`).
         let (own, place) = unsafe { (known_mut("drawing", drawing)?, output("drawn", drawn)?) };
         if flag("smooth", smooth)? {
             own.drawing.smooth()?;
@@ -134,7 +136,7 @@ pub unsafe extern "C" fn cata_drawn_size(
     layers: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`drawn`), clause `passed on` (`optional_output`).
         let (found, places) = unsafe {
             let places = [("n_vertices", n_vertices), ("n_faces", n_faces), ("layers", layers)];
             let [n_vertices, n_faces, layers] =
@@ -166,7 +168,8 @@ pub unsafe extern "C" fn cata_drawn_get(
     weights: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`vertices`, `3 * n` elements; `faces`, `3 * m` elements;
+        // `of_faces`, `m` elements), clause `handles` (`drawn`).
         let (found, vertices, faces, of_faces) = unsafe {
             let found = &known("drawn", drawn)?.drawn.refined;
             let (n, m) = (found.mesh.vertices().len(), found.mesh.faces().len());
@@ -178,7 +181,7 @@ pub unsafe extern "C" fn cata_drawn_get(
             )
         };
         let n = found.vertices.len();
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`corners`, `3 * n` elements; `weights`, `3 * n` elements).
         let (corners, weights) = unsafe {
             (
                 optional_slice_mut("corners", corners, 3 * n)?,
@@ -214,7 +217,8 @@ pub unsafe extern "C" fn cata_drawn_edges(
 ) -> cata_status {
     boundary(|| {
         check_size::<u32>("along", room, 2)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`along`, `2 * room` elements; `count`, one value), clause
+        // `handles` (`drawn`).
         let (found, along, count) = unsafe {
             (
                 &known("drawn", drawn)?.drawn,
@@ -250,7 +254,8 @@ pub unsafe extern "C" fn cata_drawn_shares(
     shares: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`inside`, `found.faces.len()` elements; `shares`, `own.n_faces`
+        // elements), clause `handles` (`drawn`).
         let (found, inside, shares) = unsafe {
             let own = known("drawn", drawn)?;
             let found = &own.drawn.refined;
@@ -273,6 +278,6 @@ pub unsafe extern "C" fn cata_drawn_shares(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_drawn_free(drawn: *mut cata_drawn) {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `handles` (`drawn`).
     unsafe { free(drawn) };
 }

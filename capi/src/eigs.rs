@@ -92,7 +92,7 @@ pub unsafe extern "C" fn cata_eigs_params_init(
     params: *mut cata_eigs_params,
     struct_size: usize,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `structs` (`params`).
     unsafe { init(params, struct_size) }
 }
 
@@ -128,12 +128,12 @@ pub unsafe extern "C" fn cata_eigs(
     params: *const cata_eigs_params,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `passed on` (`pencil`, `Outputs::new`).
         let (stiffness, masses, outputs) = unsafe {
             let (stiffness, masses) = pencil(n, row_starts, columns, entries, masses)?;
             (stiffness, masses, Outputs::new(n, k, eigenvalues, eigenvectors, ldv, residuals)?)
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         let pairs = unsafe {
             with_eigen_options(k, params, |options, _| Ok(eigs(stiffness, &masses, options)?))
         }?;
@@ -181,12 +181,12 @@ pub unsafe extern "C" fn cata_eigs_sliced(
 ) -> cata_status {
     boundary(|| {
         let mut sink = sink(slice, user)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `passed on` (`pencil`).
         let (stiffness, masses) = unsafe { pencil(n, row_starts, columns, entries, masses) }?;
         let work = |options: &EigenOptions<'_>, _: &LaplacianOptions| {
             Ok(eigs_sliced(stiffness, &masses, options, memory, &mut sink)?)
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         unsafe { with_eigen_options(k, params, work) }
     })
 }
@@ -221,7 +221,7 @@ pub unsafe extern "C" fn cata_eigs_two_level(
     params: *const cata_eigs_params,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the CSR arrays), clause `passed on` (`pencil`, `Outputs::new`).
         let ((stiffness, masses), p, outputs) = unsafe {
             (
                 pencil(n, row_starts, columns, entries, masses)?,
@@ -233,7 +233,7 @@ pub unsafe extern "C" fn cata_eigs_two_level(
         let work = |options: &EigenOptions<'_>, _: &LaplacianOptions| {
             Ok(eigs_two_level(stiffness, &masses, p, options)?)
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         let pairs = unsafe { with_eigen_options(k, params, work) }?;
         outputs.write(&pairs.values, pairs.vectors.as_ref(), &pairs.residuals);
         Ok(())
@@ -261,13 +261,13 @@ pub unsafe extern "C" fn cata_eigs_count(
     params: *const cata_eigs_params,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`count`, one value), clause `passed on` (`pencil`).
         let (count, (stiffness, masses)) =
             unsafe { (output("count", count)?, pencil(n, row_starts, columns, entries, masses)?) };
         let work = |options: &EigenOptions<'_>, _: &LaplacianOptions| {
             reported(options.progress, || count_below(stiffness, &masses, value))
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         *count = unsafe { with_eigen_options(0, params, work) }?;
         Ok(())
     })
@@ -284,7 +284,7 @@ unsafe fn pencil<'a>(
     entries: *const f64,
     masses: *const f64,
 ) -> Result<(CsMatView<'a, f64>, Mass), Failure> {
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `memory` (the CSR arrays), clause `passed on` (`mass`).
     unsafe { Ok((sparse(n, n, row_starts, columns, entries)?, mass(n, masses)?)) }
 }
 
@@ -295,7 +295,7 @@ unsafe fn pencil<'a>(
 pub(super) unsafe fn mass(n: usize, masses: *const f64) -> Result<Mass, Failure> {
     Ok(match masses.is_null() {
         true => Mass::identity(n),
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`masses`, `n` elements).
         false => Mass::Lumped(unsafe { slice("masses", masses, n) }?.to_vec()),
     })
 }
@@ -338,7 +338,8 @@ impl<'a> Outputs<'a> {
         residuals: *mut f64,
     ) -> Result<Self, Failure> {
         check_size::<f64>("eigenvectors", n, k)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`eigenvalues`, `k` elements; `v`, n x k; `residuals`, `k`
+        // elements).
         unsafe {
             Ok(Self {
                 values: slice_mut("eigenvalues", eigenvalues, k)?,
@@ -366,7 +367,7 @@ pub(super) unsafe fn with_eigen_options<X>(
     work: impl FnOnce(&EigenOptions<'_>, &LaplacianOptions) -> Result<X, Failure>,
 ) -> Result<X, Failure> {
     let default = EigenOptions::default();
-    // SAFETY: passed on to the caller.
+    // SAFETY: clause `structs` (`params`).
     unsafe {
         with_params(params, |params, progress| {
             let options = EigenOptions::new()

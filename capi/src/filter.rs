@@ -37,7 +37,8 @@ pub unsafe extern "C" fn cata_filter_gains(
     rest: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`frequencies`, `count` elements; `gains`, `count` elements;
+        // `rest`, one value).
         let (frequencies, gains, rest) = unsafe {
             (
                 slice("frequencies", frequencies, count)?,
@@ -92,7 +93,8 @@ pub unsafe extern "C" fn cata_filter_energies(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the CSR arrays; `f`, n x `count`; `energies`, `count` elements),
+        // clause `passed on` (`mass`).
         let (w, m, f, energies) = unsafe {
             (
                 sparse(n, n, row_starts, columns, entries)?,

@@ -34,13 +34,14 @@ pub unsafe extern "C" fn cata_mesh_isosurface(
     file: *mut *mut cata_mesh_file,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`values`, `points` elements; `file`, one value), clause `passed
+        // on` (`lattice`).
         let (lattice, values, place) = unsafe {
             let (lattice, points) = lattice(counts, origin, step)?;
             (lattice, slice("values", values, points)?, output("file", file)?)
         };
         let rim = rim(open)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         let found = unsafe {
             with_params(params, |params, progress| {
                 Ok(isosurface(&lattice, values, level, rim, par(params.threads), progress)?)
@@ -68,13 +69,14 @@ pub unsafe extern "C" fn cata_mesh_label_surface(
     file: *mut *mut cata_mesh_file,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`labels`, `points` elements; `file`, one value), clause `passed
+        // on` (`lattice`).
         let (lattice, labels, place) = unsafe {
             let (lattice, points) = lattice(counts, origin, step)?;
             (lattice, slice("labels", labels, points)?, output("file", file)?)
         };
         let rim = rim(open)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         let found = unsafe {
             with_params(params, |params, progress| {
                 Ok(label_surface(&lattice, labels, label, rim, par(params.threads), progress)?)
@@ -104,7 +106,8 @@ pub unsafe extern "C" fn cata_mesh_shape(
     file: *mut *mut cata_mesh_file,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`counts`, `n_counts` elements; `sizes`, `n_sizes` elements;
+        // `file`, one value), clause `texts` (`name`).
         let (name, counts, sizes, place) = unsafe {
             let name = text("name", name)?.to_string_lossy();
             let counts = slice("counts", counts, n_counts)?;
@@ -125,7 +128,8 @@ unsafe fn lattice(
     origin: *const f64,
     step: *const f64,
 ) -> Result<(Lattice, usize), Failure> {
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `memory` (`counts`, `3` elements; `origin`, `3` elements; `step`, `3`
+    // elements).
     let (counts, origin, step) = unsafe {
         (slice("counts", counts, 3)?, slice("origin", origin, 3)?, slice("step", step, 3)?)
     };

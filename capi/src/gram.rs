@@ -50,7 +50,7 @@ pub unsafe extern "C" fn cata_gram_params_init(
     params: *mut cata_gram_params,
     struct_size: usize,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `structs` (`params`).
     unsafe { init(params, struct_size) }
 }
 
@@ -84,7 +84,8 @@ pub unsafe extern "C" fn cata_svd(
 ) -> cata_status {
     boundary(|| {
         let (layout, most) = (Layout::new(layout)?, m.min(n));
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`values`, `most` elements; `v`, n x `most`), clause `structs`
+        // (`params`), clause `passed on` (`rows_of`).
         let (a, values, v, params) = unsafe {
             let a = rows_of("a", layout, m, n, a, lda)?;
             let values = optional_slice_mut("values", values, most)?;
@@ -147,7 +148,8 @@ pub unsafe extern "C" fn cata_gram_extended(
                 return Err(Failure::argument("centering", any, other));
             }
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`a`, m x n; `weights`, `m` elements; `high`, n x n; `low`, n x
+        // n; `exact`, one value), clause `structs` (`params`).
         let (a, weights, parts, exact, params) = unsafe {
             let a = matrix("a", layout, m, n, a, lda)?;
             let weights = optional_slice("weights", weights, m);
@@ -194,7 +196,8 @@ pub unsafe extern "C" fn cata_gram_correlation(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`c`, n x n), clause `structs` (`params`), clause `passed on`
+        // (`rows_of`).
         let (a, c, params) = unsafe {
             let a = rows_of("a", layout, m, n, a, lda)?;
             (a, matrix_mut("c", layout, n, n, c, ldc)?, read_or_zeros("params", params)?)
@@ -227,7 +230,8 @@ pub unsafe extern "C" fn cata_gram_orthogonality(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`max`, one value; `frobenius`, one value), clause `structs`
+        // (`params`), clause `passed on` (`rows_of`).
         let (q, max, frobenius, params) = unsafe {
             let q = rows_of("q", layout, m, n, q, ldq)?;
             let max = optional_output("max", max)?;
@@ -271,7 +275,7 @@ pub unsafe extern "C" fn cata_gram_cholesky_qr(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`a`, m x n; `r`, n x n), clause `structs` (`params`).
         let (a, r, params) = unsafe {
             let a = matrix_mut("a", layout, m, n, a, lda)?;
             (a, optional_matrix_mut("r", layout, n, n, r, ldr)?, read_or_zeros("params", params)?)
@@ -333,7 +337,7 @@ pub(super) unsafe fn rows_of<'a>(
     a: *const f64,
     lda: usize,
 ) -> Result<MatRef<'a, f64>, Failure> {
-    // SAFETY: passed on to the caller.
+    // SAFETY: clause `passed on` (`matrix`).
     let a = unsafe { matrix(what, layout, m, n, a, lda) }?;
     Ok(if n == 0 { a.subrows(0, 0) } else { a })
 }

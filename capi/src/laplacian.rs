@@ -55,7 +55,8 @@ pub unsafe extern "C" fn cata_laplacian_new(
     laplacian: *mut *mut cata_laplacian,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `held`,
+        // `n_held` elements; `laplacian`, one value).
         let (mesh, held, place) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,
@@ -77,7 +78,7 @@ pub unsafe extern "C" fn cata_laplacian_new(
             options.progress.report(1.0)?;
             Ok(found)
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         let found = unsafe { with_eigen_options(0, params, work) }?;
         hand_over(place, cata_laplacian { found });
         Ok(())
@@ -103,7 +104,7 @@ pub unsafe extern "C" fn cata_cloud_laplacian(
 ) -> cata_status {
     boundary(|| {
         check_size::<f64>("points", n, 3)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`points`, `3 * n` elements; `laplacian`, one value).
         let (points, place) =
             unsafe { (slice("points", points, 3 * n)?, output("laplacian", laplacian)?) };
         let work = |options: &EigenOptions<'_>, of: &LaplacianOptions| {
@@ -116,7 +117,7 @@ pub unsafe extern "C" fn cata_cloud_laplacian(
             options.progress.report(1.0)?;
             Ok(found)
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         let found = unsafe { with_eigen_options(0, params, work) }?;
         hand_over(place, cata_laplacian { found });
         Ok(())
@@ -129,7 +130,7 @@ pub unsafe extern "C" fn cata_cloud_laplacian(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_laplacian_free(laplacian: *mut cata_laplacian) {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `handles` (`laplacian`).
     unsafe { free(laplacian) };
 }
 
@@ -146,7 +147,7 @@ pub unsafe extern "C" fn cata_laplacian_size(
     masses: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`laplacian`), clause `passed on` (`optional_output`).
         let (found, places) = unsafe {
             let places = [("rows", rows), ("entries", entries), ("masses", masses)];
             let [rows, entries, masses] = places.map(|(what, place)| optional_output(what, place));
@@ -175,7 +176,8 @@ pub unsafe extern "C" fn cata_laplacian_get(
     w: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`kept`, `n` elements), clause `handles` (`laplacian`), clause
+        // `passed on` (`Csr::new`).
         let (found, kept, places) = unsafe {
             let found = &known("laplacian", laplacian)?.found;
             let n = found.kept.len();
@@ -201,7 +203,8 @@ pub unsafe extern "C" fn cata_laplacian_masses(
     masses: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`masses`, `found.len()` elements), clause `handles`
+        // (`laplacian`).
         let (found, masses) = unsafe {
             let found = masses_of(&known("laplacian", laplacian)?.found);
             (found, slice_mut("masses", masses, found.len())?)
@@ -230,7 +233,8 @@ pub unsafe extern "C" fn cata_laplacian_gradient(
     entries: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face), clause
+        // `passed on` (`Csr::new`).
         let (mesh, places) = unsafe {
             let mesh = mesh(n_vertices, vertices, n_faces, faces)?;
             let (rows, count) = (3 * n_faces, 9 * n_faces);
@@ -260,7 +264,8 @@ pub unsafe extern "C" fn cata_laplacian_divergence(
     entries: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face), clause
+        // `passed on` (`Csr::new`).
         let (mesh, places) = unsafe {
             let mesh = mesh(n_vertices, vertices, n_faces, faces)?;
             let count = 9 * n_faces;
@@ -284,7 +289,8 @@ pub unsafe extern "C" fn cata_laplacian_areas(
     areas: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `areas`,
+        // `n_vertices` elements).
         let (mesh, areas) = unsafe {
             (mesh(n_vertices, vertices, n_faces, faces)?, slice_mut("areas", areas, n_vertices)?)
         };
@@ -312,7 +318,8 @@ impl<'a> Csr<'a> {
         columns: *mut usize,
         (what, entries): (&'static str, *mut f64),
     ) -> Result<Self, Failure> {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`row_starts`, `rows + 1` elements; `columns`, `count` elements),
+        // clause `passed on` (`optional_slice_mut`).
         unsafe {
             Ok(Self {
                 row_starts: optional_slice_mut("row_starts", row_starts, rows + 1)?,

@@ -5,6 +5,27 @@
 //!
 //! All but the products need the feature `chapters` (default), the functions of MPI also `mpi`;
 //! `absent` has functions of the same names for absent features.
+//!
+//! # Safety of this module
+//!
+//! The header states what callers of C owe the library. `SAFETY` comments name the part that a
+//! place uses, and the arguments:
+//!
+//! - **`memory`**: an array that the header describes has so many elements, of which inputs can be
+//!   read and outputs also written during the call, and no other thread writes inputs or uses
+//!   outputs. The functions of `pointer` refuse NULL where there are elements, pointers that are
+//!   not aligned, extents beyond the address space and, by `regions`, outputs that overlap another
+//!   argument. Whether the memory exists is the caller's part.
+//! - **`handles`**: a handle is NULL, which is refused or does nothing, or came from a constructor
+//!   and has not been freed; nobody else uses one that is taken without `const`. The crate does
+//!   not look behind the pointer before it is compared with NULL.
+//! - **`structs`**: a struct of parameters or results is NULL where it may be, or has as many bytes
+//!   as its first field, `struct_size`, says. `params` checks the size and touches no more bytes,
+//!   and all fields may be 0. Pointers inside follow their own clause.
+//! - **`texts`**: a text is NULL, which is refused or means the default, or ends with a NUL and is
+//!   not written during the call.
+//! - **`passed on`**: the named function has the contract of the function that calls it, and gets
+//!   its arguments as they are, or those parts of them that it describes.
 
 #![allow(non_camel_case_types)] // the names are those of the C header
 

@@ -62,7 +62,7 @@ pub unsafe extern "C" fn cata_lstsq_params_init(
     params: *mut cata_lstsq_params,
     struct_size: usize,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `structs` (`params`).
     unsafe { init(params, struct_size) }
 }
 
@@ -175,7 +175,7 @@ pub unsafe extern "C" fn cata_lstsq(
     params: *const cata_lstsq_params,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `passed on` (`LeastSquaresCall::new`).
         let call = unsafe {
             LeastSquaresCall::new(layout, m, n, k, a, lda, b, ldb, weights, x, ldx, result, params)
         }?;
@@ -226,7 +226,8 @@ impl LeastSquaresCall<'_> {
         if k == 0 {
             return Err(Failure::new(CATA_ERR_ARGUMENT, "k: must be at least 1, is 0"));
         }
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`a`, m x n; `b`, m x k; `weights`, `m` elements), clause
+        // `structs` (`params`), clause `passed on` (`LeastSquaresOutputs::new`).
         unsafe {
             let a = matrix("a", layout, m, n, a, lda)?;
             let b = matrix("b", layout, m, k, b, ldb)?;
@@ -271,7 +272,10 @@ impl LeastSquaresOutputs<'_> {
         ldx: usize,
         result: *mut cata_lstsq_result,
     ) -> Result<Self, Failure> {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`x`, n x k; `result.residual_norms`, `k` elements;
+        // `result.r_squared`, `k` elements; `result.intercepts`, `k` elements;
+        // `result.intercept_errors`, `k` elements; `result.dependent`, `n` elements), clause
+        // `structs` (`result`), clause `passed on` (`Statistics::new`).
         unsafe {
             let arrays = read_or_zeros("result", result.cast_const())?;
             let errors = arrays.standard_errors;
@@ -386,8 +390,8 @@ impl Statistics<'_> {
         ldx: usize,
         arrays: &cata_lstsq_result,
     ) -> Result<Self, Failure> {
-        // SAFETY: the caller's promise. An error of the leading dimension names that of X, which
-        // is the same argument.
+        // SAFETY: clause `memory` (the arrays of `arrays`, as cata_lstsq_result describes them). An
+        // error of the leading dimension names that of X, which is the same argument.
         unsafe {
             let matrix = |place| optional_matrix_mut("x", layout, n, k, place, ldx);
             let size = (n + 1).saturating_mul(n + 1).saturating_mul(k);

@@ -40,7 +40,7 @@ pub unsafe extern "C" fn cata_map_fit_new(
     fit: *mut *mut cata_map_fit,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`fit`, one value), clause `handles` (`source`, `target`).
         let (source, target, place) =
             unsafe { (known("source", source)?, known("target", target)?, output("fit", fit)?) };
         source.eigen("source")?;
@@ -59,7 +59,7 @@ pub unsafe extern "C" fn cata_map_fit_new(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_map_fit_free(fit: *mut cata_map_fit) {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `handles` (`fit`).
     unsafe { free(fit) };
 }
 
@@ -79,7 +79,7 @@ pub unsafe extern "C" fn cata_map_fit_functions(
     ldg: usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `passed on` (`pair`).
         let (fit, f, g) = unsafe { pair(fit, layout, count, f, ldf, g, ldg) }?;
         fit.add(|fit| fit.functions(f, g))
     })
@@ -102,7 +102,7 @@ pub unsafe extern "C" fn cata_map_fit_operators(
     weight: f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `passed on` (`pair`).
         let (fit, f, g) = unsafe { pair(fit, layout, count, f, ldf, g, ldg) }?;
         fit.add(|fit| fit.operators(f, g, weight))
     })
@@ -121,7 +121,7 @@ pub unsafe extern "C" fn cata_map_fit_landmarks(
 ) -> cata_status {
     boundary(|| {
         check_size::<u32>("pairs", count, 2)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`pairs`, `2 * count` elements), clause `handles` (`fit`).
         let (fit, pairs) = unsafe { (known_mut("fit", fit)?, slice("pairs", pairs, 2 * count)?) };
         let pairs: Vec<(u32, u32)> = pairs.as_chunks().0.iter().map(|&[x, y]| (x, y)).collect();
         fit.add(|fit| fit.landmarks(&pairs))
@@ -140,10 +140,10 @@ pub unsafe extern "C" fn cata_map_fit_segments(
     target_labels: *const u32,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`fit`).
         let fit = unsafe { known_mut("fit", fit) }?;
         let [n, m] = [fit.source("source")?, fit.target("target")?].map(|b| b.basis().vertices());
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`source_labels`, `n` elements; `target_labels`, `m` elements).
         let (source, target) = unsafe {
             (slice("source_labels", source_labels, n)?, slice("target_labels", target_labels, m)?)
         };
@@ -167,14 +167,14 @@ pub unsafe extern "C" fn cata_map_fit_solve(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`fit`).
         let fit = unsafe { known_mut("fit", fit) }?;
         let (source, target) = (Arc::clone(&fit.source), Arc::clone(&fit.target));
         let (source, target) = (source.eigen("source")?, target.eigen("target")?);
         let (rows, cols) = (target.len(), source.len());
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`c`, `rows` x `cols`).
         let mut c = unsafe { matrix_mut("c", layout, rows, cols, c, ldc) }?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         let found = unsafe {
             with_basis_options(params, |options| {
                 let known = std::mem::take(&mut fit.known);
@@ -212,14 +212,15 @@ pub unsafe extern "C" fn cata_map_icp(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `passed on` (`eigenbases`).
         let (source, target) = unsafe { eigenbases(source, target) }?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`c`, `target.len()` x `source.len()`), clause `passed on`
+        // (`points_out`).
         let (mut c, points) = unsafe {
             let c = matrix_mut("c", layout, target.len(), source.len(), c, ldc)?;
             (c, points_out(points, target)?)
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         let Refined { map, points: found } = unsafe {
             with_basis_options(params, |options| {
                 Ok(icp(
@@ -261,15 +262,16 @@ pub unsafe extern "C" fn cata_map_zoomout(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `passed on` (`eigenbases`).
         let (source, target) = unsafe { eigenbases(source, target) }?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`c`, `rows` x `cols`; `map`, `target.len()` x `source.len()`),
+        // clause `passed on` (`points_out`).
         let (c, mut map, points) = unsafe {
             let c = matrix("c", layout, rows, cols, c, ldc)?;
             let map = matrix_mut("map", layout, target.len(), source.len(), map, ldmap)?;
             (c, map, points_out(points, target)?)
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         let found = unsafe {
             with_basis_options(params, |options| {
                 Ok(zoomout(c, source.basis(), target.basis(), step, options.par, options.progress)?)
@@ -298,15 +300,16 @@ pub unsafe extern "C" fn cata_map_points(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`source`, `target`).
         let (source, target) =
             unsafe { (known("source", source)?.basis(), known("target", target)?.basis()) };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`c`, `target.len()` x `source.len()`; `points`,
+        // `target.vertices()` elements).
         let (c, points) = unsafe {
             let c = matrix("c", layout, target.len(), source.len(), c, ldc)?;
             (c, slice_mut("points", points, target.vertices())?)
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         points.copy_from_slice(&unsafe {
             with_basis_options(params, |options| {
                 Ok(points_from_map(c, source, target, options.par, options.progress)?)
@@ -345,7 +348,7 @@ pub unsafe extern "C" fn cata_product_map(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`source_eigen`, `target_eigen`, `source`, `target`).
         let (from, to, source, target) = unsafe {
             (
                 known("source_eigen", source_eigen)?.eigen("source_eigen")?,
@@ -354,14 +357,15 @@ pub unsafe extern "C" fn cata_product_map(
                 known("target", target)?.products("target")?,
             )
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`c`, `to.len()` x `from.len()`; `o`, `target.len()` x
+        // `source.len()`).
         let (c, mut o) = unsafe {
             let c = matrix("c", layout, to.len(), from.len(), c, ldc)?;
             (c, matrix_mut("o", layout, target.len(), source.len(), o, ldo)?)
         };
         let transform =
             if flag("of_all", of_all)? { transform_of_all_products } else { transform_by_columns };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         o.copy_from(&unsafe {
             with_basis_options(params, |options| {
                 reported(options.progress, || {
@@ -390,15 +394,16 @@ pub unsafe extern "C" fn cata_map_from_points(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`source`, `target`).
         let (source, target) =
             unsafe { (known("source", source)?.basis(), known("target", target)?.basis()) };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`points`, `target.vertices()` elements; `c`, `target.len()` x
+        // `source.len()`).
         let (points, mut c) = unsafe {
             let points = slice("points", points, target.vertices())?;
             (points, matrix_mut("c", layout, target.len(), source.len(), c, ldc)?)
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         c.copy_from(&unsafe {
             with_basis_options(params, |options| {
                 reported(options.progress, || map_from_points(points, source, target, options.par))
@@ -445,7 +450,7 @@ unsafe fn pair<'a>(
     ldg: usize,
 ) -> Result<(&'a mut cata_map_fit, MatRef<'a, f64>, MatRef<'a, f64>), Failure> {
     let layout = Layout::new(layout)?;
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `memory` (`f`, n x `count`; `g`, m x `count`), clause `handles` (`fit`).
     unsafe {
         let fit = known_mut("fit", fit)?;
         let [n, m] = [fit.source("source")?, fit.target("target")?].map(|b| b.basis().vertices());
@@ -462,7 +467,7 @@ unsafe fn eigenbases<'a>(
     source: *const cata_basis,
     target: *const cata_basis,
 ) -> Result<(&'a Eigenbasis, &'a Eigenbasis), Failure> {
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `handles` (`source`, `target`).
     let (source, target) = unsafe { (known("source", source)?, known("target", target)?) };
     Ok((source.eigen("source")?, target.eigen("target")?))
 }
@@ -475,6 +480,6 @@ unsafe fn points_out<'a>(
     points: *mut u32,
     target: &Eigenbasis,
 ) -> Result<Option<&'a mut [u32]>, Failure> {
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `memory` (`points`, `target.basis().vertices()` elements).
     unsafe { super::pointer::optional_slice_mut("points", points, target.basis().vertices()) }
 }

@@ -35,7 +35,7 @@ pub unsafe extern "C" fn cata_mesh_params_init(
     params: *mut cata_mesh_params,
     struct_size: usize,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `structs` (`params`).
     unsafe { init(params, struct_size) }
 }
 
@@ -65,7 +65,10 @@ pub unsafe extern "C" fn cata_mesh_measures(
     vertex_normals: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `area`, one
+        // value; `volume`, one value; `face_areas`, `n_faces` elements; `qualities`, `n_faces`
+        // elements; `face_normals`, `3 * n_faces` elements; `vertex_normals`, `3 * n_vertices`
+        // elements).
         let (mesh, totals, areas, qualities, of_faces, of_vertices) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,
@@ -117,7 +120,8 @@ pub unsafe extern "C" fn cata_mesh_quality(
     non_manifold_edges: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face;
+        // `non_manifold_edges`, one value), clause `passed on` (`optional_output`).
         let (mesh, places, edges) = unsafe {
             let places = [
                 ("mean_area", mean_area),
@@ -180,7 +184,8 @@ pub unsafe extern "C" fn cata_mesh_compare(
     params: *const cata_mesh_params,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `out`, `3`
+        // elements; `back`, `3` elements; `hausdorff`, one value; `chamfer`, one value).
         let (first, second, sides, at_vertices) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,
@@ -199,7 +204,7 @@ pub unsafe extern "C" fn cata_mesh_compare(
                 Ok::<_, Error>((spread.transpose()?, distances.transpose()?))
             })
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         let (spread, distances) = unsafe { with_params(params, work) }?;
         let found = spread.iter().flat_map(|all| [all.out, all.back]);
         for (place, side) in sides.into_iter().zip(found) {

@@ -42,12 +42,13 @@ pub unsafe extern "C" fn cata_mesh_free_components(
     params: *const cata_eigs_params,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `count`, one
+        // value).
         let (mesh, count) =
             unsafe { (mesh(n_vertices, vertices, n_faces, faces)?, output("count", count)?) };
         let work =
             |_: &EigenOptions<'_>, of: &LaplacianOptions| Ok(free_components(&mesh, &of.boundary)?);
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         *count = unsafe { with_eigen_options(0, params, work) }?;
         Ok(())
     })
@@ -85,7 +86,8 @@ pub unsafe extern "C" fn cata_mesh_eigs(
         let find = |operator: &Laplacian, _: &LaplacianOptions, options: &EigenOptions<'_>| {
             Ok(eigs(operator.stiffness.view(), &operator.mass, options)?)
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face), clause
+        // `passed on` (`write_eigs`).
         unsafe {
             let mesh = mesh(n_vertices, vertices, n_faces, faces)?;
             write_eigs(&mesh, k, eigenvalues, eigenvectors, ldv, residuals, masses, params, find)
@@ -112,7 +114,7 @@ pub unsafe extern "C" fn cata_mesh_eigs_sliced(
 ) -> cata_status {
     boundary(|| {
         let mut sink = sink(slice, user)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face).
         let mesh = unsafe { mesh(n_vertices, vertices, n_faces, faces) }?;
         let work = |options: &EigenOptions<'_>, of: &LaplacianOptions| {
             let operator = laplacian(&mesh, of)?;
@@ -123,7 +125,7 @@ pub unsafe extern "C" fn cata_mesh_eigs_sliced(
             })?;
             Ok(())
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         unsafe { with_eigen_options(k, params, work) }
     })
 }
@@ -155,7 +157,8 @@ pub unsafe extern "C" fn cata_mesh_part_eigenvalues(
     params: *const cata_eigs_params,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `mask`,
+        // `n_vertices` elements; `eigenvalues`, `k` elements).
         let (mesh, mask, eigenvalues) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,
@@ -175,7 +178,7 @@ pub unsafe extern "C" fn cata_mesh_part_eigenvalues(
                 _ => parts.neumann(&mask, k)?,
             })
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         eigenvalues.copy_from_slice(&unsafe { with_eigen_options(k, params, work) }?);
         Ok(())
     })
@@ -197,7 +200,7 @@ pub(super) unsafe fn write_eigs(
     find: impl FnOnce(&Laplacian, &LaplacianOptions, &EigenOptions<'_>) -> Result<Eigenpairs, Failure>,
 ) -> Result<(), Failure> {
     let n = mesh.vertices().len();
-    // SAFETY: passed on to the caller.
+    // SAFETY: clause `memory` (`masses`, `n` elements), clause `passed on` (`Outputs::new`).
     let (outputs, masses) = unsafe {
         (
             Outputs::new(n, k, eigenvalues, eigenvectors, ldv, residuals)?,
@@ -214,7 +217,7 @@ pub(super) unsafe fn write_eigs(
         let pairs = find(&operator, of, options)?;
         Ok((operator, pairs))
     };
-    // SAFETY: passed on to the caller.
+    // SAFETY: clause `structs` (`params`).
     let (operator, pairs) = unsafe { with_eigen_options(k, params, work) }?;
     let vectors = operator.extend(pairs.vectors.as_ref())?;
     outputs.write(&pairs.values, vectors.as_ref(), &pairs.residuals);

@@ -32,7 +32,7 @@ pub unsafe extern "C" fn cata_mesh_file_has(
     colors: *mut i32,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`file`), clause `passed on` (`optional_output`).
         let (file, places) = unsafe {
             let places = [("uv", uv), ("normals", normals), ("colors", colors)];
             let [uv, normals, colors] = places.map(|(what, place)| optional_output(what, place));
@@ -55,7 +55,8 @@ pub unsafe extern "C" fn cata_mesh_file_get_uv(
     uv: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`uv`, `6 * file.mesh.faces().len()` elements), clause `handles`
+        // (`file`).
         let (file, uv) = unsafe {
             let file = &known("file", file)?.file;
             (file, slice_mut("uv", uv, 6 * file.mesh.faces().len())?)
@@ -76,7 +77,8 @@ pub unsafe extern "C" fn cata_mesh_file_get_normals(
     normals: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`normals`, `9 * file.mesh.faces().len()` elements), clause
+        // `handles` (`file`).
         let (file, normals) = unsafe {
             let file = &known("file", file)?.file;
             (file, slice_mut("normals", normals, 9 * file.mesh.faces().len())?)
@@ -97,7 +99,8 @@ pub unsafe extern "C" fn cata_mesh_file_get_colors(
     colors: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`colors`, `4 * file.mesh.vertices().len()` elements), clause
+        // `handles` (`file`).
         let (file, colors) = unsafe {
             let file = &known("file", file)?.file;
             (file, slice_mut("colors", colors, 4 * file.mesh.vertices().len())?)
@@ -118,7 +121,8 @@ pub unsafe extern "C" fn cata_mesh_file_set_uv(
     uv: *const f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`uv`, `6 * file.mesh.faces().len()` elements), clause `handles`
+        // (`file`).
         let (file, uv) = unsafe {
             let file = &mut known_mut("file", file)?.file;
             let uv = optional_slice("uv", uv, 6 * file.mesh.faces().len())?;
@@ -139,7 +143,8 @@ pub unsafe extern "C" fn cata_mesh_file_set_normals(
     normals: *const f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`normals`, `9 * file.mesh.faces().len()` elements), clause
+        // `handles` (`file`).
         let (file, normals) = unsafe {
             let file = &mut known_mut("file", file)?.file;
             let normals = optional_slice("normals", normals, 9 * file.mesh.faces().len())?;
@@ -160,7 +165,8 @@ pub unsafe extern "C" fn cata_mesh_file_set_colors(
     colors: *const f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`colors`, `4 * file.mesh.vertices().len()` elements), clause
+        // `handles` (`file`).
         let (file, colors) = unsafe {
             let file = &mut known_mut("file", file)?.file;
             let colors = optional_slice("colors", colors, 4 * file.mesh.vertices().len())?;
@@ -187,7 +193,7 @@ pub unsafe extern "C" fn cata_mesh_file_names(
     count: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`count`, one value), clause `handles` (`file`).
         let (file, count) = unsafe { (&known("file", file)?.file, output("count", count)?) };
         *count = names(file, kind)?.len();
         Ok(())
@@ -208,7 +214,7 @@ pub unsafe extern "C" fn cata_mesh_file_name(
     name: *mut c_char,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`name`, `size` elements), clause `handles` (`file`).
         let (file, name) = unsafe { (&known("file", file)?.file, slice_mut("name", name, size)?) };
         write_text(name, numbered(names(file, kind)?, "names", index)?);
         Ok(())
@@ -227,7 +233,8 @@ pub unsafe extern "C" fn cata_mesh_file_get_names(
     of_faces: *mut u32,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`of_faces`, `file.mesh.faces().len()` elements), clause
+        // `handles` (`file`).
         let (file, of_faces) = unsafe {
             let file = &known("file", file)?.file;
             (file, slice_mut("of_faces", of_faces, file.mesh.faces().len())?)
@@ -259,18 +266,18 @@ pub unsafe extern "C" fn cata_mesh_file_set_names(
     of_faces: *const u32,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`names`, `count` elements), clause `handles` (`file`).
         let (file, texts) = unsafe {
             let file = &mut known_mut("file", file)?.file;
             (file, slice("names", names, count)?)
         };
         labels(file, kind)?;
         let faces = if count == 0 { 0 } else { file.mesh.faces().len() };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`of_faces`, `faces` elements).
         let of_faces = unsafe { slice("of_faces", of_faces, faces) }?;
         let mut names = Vec::with_capacity(count);
         for &name in texts {
-            // SAFETY: the caller's promise.
+            // SAFETY: clause `texts` (`names`).
             names.push(utf8(unsafe { text("names", name) }?)?);
         }
         let beyond = |&i: &u32| i != CATA_MESH_NO_NAME && i as usize >= count;
@@ -298,7 +305,7 @@ pub unsafe extern "C" fn cata_mesh_file_scalars(
     count: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`count`, one value), clause `handles` (`file`).
         let (file, count) = unsafe { (&known("file", file)?.file, output("count", count)?) };
         *count = file.scalars.len();
         Ok(())
@@ -322,13 +329,14 @@ pub unsafe extern "C" fn cata_mesh_file_get_scalars(
     values: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`file`).
         let file = unsafe { &known("file", file)?.file };
         let all = &file.scalars;
         let found = all.get(index).ok_or_else(|| {
             Failure::argument("index", format!("less than {} (functions)", all.len()), index)
         })?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`name`, `size` elements; `values`, `found.values.len()`
+        // elements).
         let (name, values) = unsafe {
             let name = optional_slice_mut("name", name, size)?;
             (name, optional_slice_mut("values", values, found.values.len())?)

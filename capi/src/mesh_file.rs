@@ -103,7 +103,7 @@ pub unsafe extern "C" fn cata_mesh_file_params_init(
     params: *mut cata_mesh_file_params,
     struct_size: usize,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `structs` (`params`).
     unsafe { init(params, struct_size) }
 }
 
@@ -120,7 +120,8 @@ pub unsafe extern "C" fn cata_mesh_file_new(
     file: *mut *mut cata_mesh_file,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `file`, one
+        // value).
         let (mesh, place) =
             unsafe { (mesh(n_vertices, vertices, n_faces, faces)?, output("file", file)?) };
         hand_over(place, cata_mesh_file { file: mesh.into() });
@@ -143,7 +144,8 @@ pub unsafe extern "C" fn cata_mesh_file_read(
     file: *mut *mut cata_mesh_file,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`file`, one value), clause `structs` (`params`), clause `texts`
+        // (`path`).
         let (path, params, place) = unsafe {
             (self::path("path", path)?, read_or_zeros("params", params)?, output("file", file)?)
         };
@@ -173,7 +175,7 @@ pub unsafe extern "C" fn cata_mesh_file_read_bytes(
     file: *mut *mut cata_mesh_file,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`bytes`, `size` elements; `file`, one value).
         let (bytes, place) =
             unsafe { (slice("bytes", bytes.cast::<u8>(), size)?, output("file", file)?) };
         hand_over(
@@ -198,7 +200,7 @@ pub unsafe extern "C" fn cata_mesh_file_write(
     params: *const cata_mesh_file_params,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`file`), clause `structs` (`params`), clause `texts` (`path`).
         let (file, path, params) = unsafe {
             let file = &mut known_mut("file", file)?.file;
             (file, self::path("path", path)?, read_or_zeros("params", params)?)
@@ -225,7 +227,7 @@ pub unsafe extern "C" fn cata_mesh_file_write_bytes(
     bytes: *mut *mut cata_mesh_bytes,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`bytes`, one value), clause `handles` (`file`).
         let (file, place) =
             unsafe { (&mut known_mut("file", file)?.file, output("bytes", bytes)?) };
         let (bytes, notes) = write_bytes(file, self::format("format", format)?)?;
@@ -241,7 +243,7 @@ pub unsafe extern "C" fn cata_mesh_file_write_bytes(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_mesh_file_free(file: *mut cata_mesh_file) {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `handles` (`file`).
     unsafe { free(file) };
 }
 
@@ -256,7 +258,8 @@ pub unsafe extern "C" fn cata_mesh_file_size(
     n_faces: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`n_vertices`, one value; `n_faces`, one value), clause `handles`
+        // (`file`).
         let (mesh, places) = unsafe {
             let mesh = &known("file", file)?.file.mesh;
             let n_vertices = optional_output("n_vertices", n_vertices)?;
@@ -278,7 +281,7 @@ pub unsafe extern "C" fn cata_mesh_file_get(
     faces: *mut u32,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`file`), clause `passed on` (`fill_mesh`).
         unsafe { fill_mesh(&known("file", file)?.file.mesh, vertices, faces) }
     })
 }
@@ -296,7 +299,8 @@ pub unsafe extern "C" fn cata_mesh_file_notes(
     collapsed_faces: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`notes`, one value; `collapsed_faces`, one value), clause
+        // `handles` (`file`).
         let (file, places) = unsafe {
             let notes = optional_output("notes", notes)?;
             let collapsed_faces = optional_output("collapsed_faces", collapsed_faces)?;
@@ -319,7 +323,7 @@ pub unsafe extern "C" fn cata_mesh_file_note(
     text: *mut c_char,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`text`, `size` elements), clause `handles` (`file`).
         let (notes, text) =
             unsafe { (&known("file", file)?.file.notes, slice_mut("text", text, size)?) };
         write_text(text, numbered(notes, "notes", index)?);
@@ -337,7 +341,7 @@ pub unsafe extern "C" fn cata_mesh_bytes_size(
     size: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`size`, one value), clause `handles` (`bytes`).
         let (own, size) = unsafe { (&known("bytes", bytes)?.bytes, output("size", size)?) };
         *size = own.len();
         Ok(())
@@ -354,7 +358,7 @@ pub unsafe extern "C" fn cata_mesh_bytes_get(
     to: *mut c_void,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`to`, `own.len()` elements), clause `handles` (`bytes`).
         let (own, to) = unsafe {
             let own = &known("bytes", bytes)?.bytes;
             (own, slice_mut("to", to.cast::<u8>(), own.len())?)
@@ -370,7 +374,7 @@ pub unsafe extern "C" fn cata_mesh_bytes_get(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_mesh_bytes_free(bytes: *mut cata_mesh_bytes) {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `handles` (`bytes`).
     unsafe { free(bytes) };
 }
 

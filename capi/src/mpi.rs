@@ -36,7 +36,7 @@ pub unsafe extern "C" fn cata_world_new(
     boundary(|| {
         let ours = World::from_fortran(fortran_comm)?;
         let _guard = ours.abort_on_panic();
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`world`, one value).
         let place = unsafe { output("world", world) };
         // A world with a rank that did not get it would hang.
         let told = place
@@ -58,7 +58,7 @@ pub unsafe extern "C" fn cata_world_new(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_world_free(world: *mut cata_world) {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `handles` (`world`).
     unsafe { free(world) };
 }
 
@@ -72,7 +72,7 @@ pub unsafe extern "C" fn cata_world_rank(
     rank: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `passed on` (`number`).
         unsafe { number("rank", rank, world_of(world)?.rank()) }
     })
 }
@@ -87,7 +87,7 @@ pub unsafe extern "C" fn cata_world_size(
     size: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `passed on` (`number`).
         unsafe { number("size", size, world_of(world)?.size()) }
     })
 }
@@ -103,7 +103,7 @@ pub unsafe extern "C" fn cata_world_traffic(
     traffic: *mut cata_traffic,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`world`).
         let found = unsafe { world_of(world) }?.traffic();
         let values = cata_traffic {
             struct_size: 0,
@@ -112,7 +112,7 @@ pub unsafe extern "C" fn cata_world_traffic(
             messages_sent: found.messages_sent,
             messages_received: found.messages_received,
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `passed on` (`write`).
         unsafe { write("traffic", traffic, &values) }
     })
 }
@@ -128,7 +128,7 @@ pub unsafe extern "C" fn cata_world_set_longest_message(
     entries: usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`world`).
         unsafe { world_of(world) }?.set_longest_message(entries);
         Ok(())
     })
@@ -156,7 +156,7 @@ pub unsafe extern "C" fn cata_world_ata_rows_f64(
     c: *mut *mut cata_symmetric,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `passed on` (`rows`).
         unsafe { rows(world, layout, m, n, alpha, a, lda, params, c) }
     })
 }
@@ -178,7 +178,7 @@ pub unsafe extern "C" fn cata_world_ata_rows_f32(
     c: *mut *mut cata_symmetric,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `passed on` (`rows`).
         unsafe { rows(world, layout, m, n, alpha, a, lda, params, c) }
     })
 }
@@ -212,7 +212,7 @@ pub unsafe extern "C" fn cata_world_lstsq(
     params: *const cata_lstsq_params,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `passed on` (`collective`, `LeastSquaresCall::new`).
         unsafe {
             collective(world, Operation::LeastSquares, |entrance| {
                 let call = LeastSquaresCall::new(
@@ -246,7 +246,8 @@ pub unsafe extern "C" fn cata_world_ata_columns(
     c: *mut *mut cata_symmetric,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`a`, m x `cols`; `c`, one value), clause `structs` (`params`),
+        // clause `passed on` (`collective`).
         unsafe {
             collective(world, Operation::Columns, |entrance| {
                 let a = matrix("a", Layout::new(layout)?, m, cols, a, lda)?;
@@ -288,7 +289,8 @@ pub unsafe extern "C" fn cata_world_ata_root(
     params: *const cata_ata_params,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`a`, m x n; `c`, n x n), clause `structs` (`params`), clause
+        // `passed on` (`collective`).
         unsafe {
             collective(world, Operation::Root, |entrance| {
                 if entrance.rank() != root {
@@ -342,7 +344,7 @@ pub unsafe extern "C" fn cata_world_ata_cyclic(
     params: *const cata_ata_params,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `passed on` (`cyclic`).
         unsafe {
             cyclic(
                 world, uplo, false, alpha, a, desc_a, beta, c, desc_c, grid_rows, grid_cols,
@@ -373,7 +375,7 @@ pub unsafe extern "C" fn cata_world_aat_cyclic(
     params: *const cata_ata_params,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `passed on` (`cyclic`).
         unsafe {
             cyclic(
                 world, uplo, true, alpha, a, desc_a, beta, c, desc_c, grid_rows, grid_cols,
@@ -410,7 +412,8 @@ pub unsafe extern "C" fn cata_world_eigs(
     params: *const cata_eigs_params,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the CSR arrays), clause `structs` (`params`), clause `passed on`
+        // (`collective`, `mass`, `Outputs::new`).
         unsafe {
             collective(world, Operation::Eigenpairs, |entrance| {
                 let rows = sparse(own, n, row_starts, columns, entries)?;
@@ -449,7 +452,8 @@ pub unsafe extern "C" fn cata_world_gram_schmidt(
     params: *const cata_ortho_params,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`a`, `own` x c), clause `structs` (`params`), clause `passed on`
+        // (`collective`, `mass`, `FactorsOut::new`).
         unsafe {
             collective(world, Operation::GramSchmidt, |entrance| {
                 let layout = Layout::new(layout)?;
@@ -487,7 +491,8 @@ pub unsafe extern "C" fn cata_world_cholesky_qr(
     params: *const cata_ortho_params,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`a`, `own` x c; `r`, c x c), clause `structs` (`params`), clause
+        // `passed on` (`collective`, `mass`).
         unsafe {
             collective(world, Operation::CholeskyQr, |entrance| {
                 let layout = Layout::new(layout)?;
@@ -517,7 +522,7 @@ pub unsafe extern "C" fn cata_symmetric_n(
     n: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `passed on` (`number`, `entries`).
         unsafe { number("n", n, entries(symmetric)?.n()) }
     })
 }
@@ -528,7 +533,7 @@ pub unsafe extern "C" fn cata_symmetric_n(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_symmetric_free(symmetric: *mut cata_symmetric) {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `handles` (`symmetric`).
     unsafe { free(symmetric) };
 }
 
@@ -549,7 +554,7 @@ pub unsafe extern "C" fn cata_symmetric_gather_f64(
     ldc: usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `passed on` (`gather`).
         unsafe { gather(symmetric, world, root, layout, uplo, c, ldc) }
     })
 }
@@ -569,7 +574,7 @@ pub unsafe extern "C" fn cata_symmetric_gather_f32(
     ldc: usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `passed on` (`gather`).
         unsafe { gather(symmetric, world, root, layout, uplo, c, ldc) }
     })
 }
@@ -600,7 +605,7 @@ pub unsafe extern "C" fn cata_symmetric_verify_f64(
     tolerance: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `passed on` (`check`).
         unsafe {
             check(
                 symmetric, world, spread, layout, rows, cols, alpha, a, lda, rounds, seed, passed,
@@ -632,7 +637,7 @@ pub unsafe extern "C" fn cata_symmetric_verify_f32(
     tolerance: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `passed on` (`check`).
         unsafe {
             check(
                 symmetric, world, spread, layout, rows, cols, alpha, a, lda, rounds, seed, passed,

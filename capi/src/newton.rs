@@ -87,7 +87,7 @@ pub unsafe extern "C" fn cata_newton_params_init(
     params: *mut cata_newton_params,
     struct_size: usize,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `structs` (`params`).
     unsafe { init(params, struct_size) }
 }
 
@@ -103,9 +103,10 @@ pub unsafe extern "C" fn cata_newton_new(
     newton: *mut *mut cata_newton,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`newton`, one value).
         let out = unsafe { output("newton", newton) }?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`params.roots`, `2 * params.root_count` elements), clause
+        // `structs` (`params`).
         let (params, roots, device) = unsafe {
             let params = read_or_zeros("params", params)?;
             check_size::<f64>("params.roots", params.root_count, 2)?;
@@ -114,7 +115,7 @@ pub unsafe extern "C" fn cata_newton_new(
         };
         let options = options(&params, roots)?;
         let newton = Newton::new(&options)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `passed on` (`chosen`).
         let device = unsafe { chosen(device) }?;
         #[cfg(not(feature = "opencl"))]
         let None = device;
@@ -173,7 +174,7 @@ pub(super) fn options(
 /// `newton` is NULL or from cata_newton_new, and has not been freed before.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_newton_free(newton: *mut cata_newton) {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `handles` (`newton`).
     unsafe { free(newton) };
 }
 
@@ -184,7 +185,7 @@ pub unsafe extern "C" fn cata_newton_free(newton: *mut cata_newton) {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_newton_set_w(newton: *mut cata_newton, w: f64) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`newton`, one value).
         let newton = unsafe { output("newton", newton) }?;
         let options = newton.options.clone().w(w);
         newton.newton = Newton::new(&options)?;
@@ -211,10 +212,10 @@ pub unsafe extern "C" fn cata_newton_points(
 ) -> cata_status {
     boundary(|| {
         check_size::<f32>("positions", count, 3)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`positions`, `3 * count` elements), clause `handles` (`newton`).
         let (newton, positions) =
             unsafe { (known("newton", newton)?, slice("positions", positions, 3 * count)?) };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `passed on` (`write`).
         unsafe { write(newton, Points::List(positions.as_chunks().0), count, roots, convergence) }
     })
 }
@@ -243,7 +244,7 @@ pub unsafe extern "C" fn cata_newton_plane(
             return Err(Failure::new(CATA_ERR_SHAPE, "width, height: exceed the address space"));
         };
         let grid = Grid::plane(width, height, [center_x, center_y], extent);
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`newton`), clause `passed on` (`write`).
         unsafe { write(known("newton", newton)?, Points::Grid(grid), count, roots, convergence) }
     })
 }
@@ -263,7 +264,8 @@ pub unsafe extern "C" fn cata_newton_colors(
 ) -> cata_status {
     boundary(|| {
         check_size::<u8>("colors", count, 3)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`roots`, `count` elements; `convergence`, `count` elements;
+        // `colors`, `3 * count` elements), clause `handles` (`newton`).
         let (newton, roots, convergence, colors) = unsafe {
             (
                 &known("newton", newton)?.newton,
@@ -291,7 +293,7 @@ unsafe fn write(
     roots: *mut u16,
     convergence: *mut f32,
 ) -> Result<(), Failure> {
-    // SAFETY: passed on to the caller.
+    // SAFETY: clause `memory` (`roots`, `count` elements; `convergence`, `count` elements).
     let (roots, convergence) = unsafe {
         (slice_mut("roots", roots, count)?, slice_mut("convergence", convergence, count)?)
     };

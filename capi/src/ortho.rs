@@ -49,7 +49,7 @@ pub unsafe extern "C" fn cata_ortho_params_init(
     params: *mut cata_ortho_params,
     struct_size: usize,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `structs` (`params`).
     unsafe { init(params, struct_size) }
 }
 
@@ -85,7 +85,7 @@ pub unsafe extern "C" fn cata_ortho_gram_schmidt(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`a`, n x c), clause `passed on` (`FactorsOut::new`, `mass`).
         let (a, results, mass) = unsafe {
             let a = matrix_mut("a", layout, n, c, a, lda)?;
             (a, FactorsOut::new(layout, n.min(c), c, r, ldr, kept, rank)?, mass(n, masses)?)
@@ -94,7 +94,7 @@ pub unsafe extern "C" fn cata_ortho_gram_schmidt(
             CATA_ORTHO_RANK_REVEALING => Ok(rank_revealing_in_place(a, &mass, options)?),
             _ => Ok(gram_schmidt_in_place(a, &mass, options)?),
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         let found = unsafe { with_ortho_options(params, work) }?;
         results.write(&found);
         Ok(())
@@ -126,7 +126,7 @@ pub unsafe extern "C" fn cata_ortho_cholesky_qr(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`a`, n x c; `r`, c x c), clause `passed on` (`mass`).
         let (a, r, mass) = unsafe {
             let a = matrix_mut("a", layout, n, c, a, lda)?;
             let r = optional_matrix_mut("r", layout, c, c, r, ldr)?;
@@ -136,7 +136,7 @@ pub unsafe extern "C" fn cata_ortho_cholesky_qr(
         let work = |options: &GramSchmidtOptions<'_>, _: i32| {
             Ok(cholesky_qr_of(a, &mass, options.par, options.progress)?)
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         let found = unsafe { with_ortho_options(params, work) }?;
         if let Some(mut r) = r {
             r.copy_from(&found);
@@ -167,7 +167,7 @@ impl<'a> FactorsOut<'a> {
         kept: *mut usize,
         rank: *mut usize,
     ) -> Result<Self, Failure> {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`r`, `rows` x c; `kept`, `c` elements; `rank`, one value).
         unsafe {
             let r = optional_matrix_mut("r", layout, rows, c, r, ldr)?;
             let kept = optional_slice_mut("kept", kept, c)?;
@@ -196,7 +196,7 @@ pub(super) unsafe fn with_ortho_options<X>(
     params: *const cata_ortho_params,
     work: impl FnOnce(&GramSchmidtOptions<'_>, i32) -> Result<X, Failure>,
 ) -> Result<X, Failure> {
-    // SAFETY: passed on to the caller.
+    // SAFETY: clause `structs` (`params`).
     unsafe {
         with_params(params, |params, progress| {
             let method = known_method(params.method, CATA_ORTHO_REORTHOGONALIZED)?;

@@ -59,7 +59,8 @@ pub(super) unsafe fn fill_mesh(
     faces: *mut u32,
 ) -> Result<(), Failure> {
     let (points, corners) = (mesh.vertices().as_flattened(), mesh.faces().as_flattened());
-    // SAFETY: passed on to the caller.
+    // SAFETY: clause `memory` (`vertices`, `points.len()` elements; `faces`, `corners.len()`
+    // elements).
     let (vertices, faces) = unsafe {
         (
             optional_slice_mut("vertices", vertices, points.len())?,

@@ -61,7 +61,7 @@ pub(super) unsafe fn with_params<T: Params, R>(
     params: *const T,
     work: impl FnOnce(&T, Progress<'_>) -> Result<R, Failure>,
 ) -> Result<R, Failure> {
-    // SAFETY: passed on to the caller.
+    // SAFETY: clause `structs` (`params`).
     let params = unsafe { read_or_zeros("params", params) }?;
     params.caller().watch(|progress| work(&params, progress))
 }
@@ -74,8 +74,9 @@ pub(super) unsafe fn init<T: Versioned>(params: *mut T, struct_size: usize) -> c
     boundary(|| {
         check_struct_size::<T>("params", struct_size)?;
         let params = pointer::checked("params", params, 1)?.cast_mut();
-        // SAFETY: not NULL, aligned, and struct_size writable bytes by the caller's promise; the
-        // size itself comes first. All fields may be 0, also those that only the caller knows.
+        // SAFETY: `checked` has excluded NULL and checked the alignment, `check_struct_size` that
+        // the size holds at least its own field; clause `structs` for so many writable bytes. All
+        // fields may be 0, also those that only the caller knows.
         unsafe {
             params.cast::<u8>().write_bytes(0, struct_size);
             params.cast::<usize>().write(struct_size);
@@ -100,8 +101,9 @@ fn check_struct_size<T: Versioned>(what: &str, size: usize) -> Result<(), Failur
 pub(super) unsafe fn read<T: Versioned>(what: &str, params: *const T) -> Result<T, Failure> {
     let params = pointer::checked(what, params, 1)?;
     let mut known = MaybeUninit::<T>::zeroed();
-    // SAFETY: struct_size comes first in every version, and the bytes up to it are the caller's
-    // promise; no more of them are touched. All fields may be 0.
+    // SAFETY: `checked` has excluded NULL and checked the alignment; clause `structs`:
+    // `struct_size` comes first in every version, and no bytes beyond it are touched. All fields
+    // may be 0.
     unsafe {
         let size = params.cast::<usize>().read();
         check_struct_size::<T>(what, size)?;
@@ -130,7 +132,7 @@ pub(super) unsafe fn read_or_zeros<T: Versioned>(
         // SAFETY: all fields of such a struct may be 0.
         return Ok(unsafe { MaybeUninit::zeroed().assume_init() });
     }
-    // SAFETY: passed on to the caller.
+    // SAFETY: clause `passed on` (`read`).
     unsafe { read(what, params) }
 }
 
@@ -146,7 +148,8 @@ pub(super) unsafe fn write<T: Versioned>(
     value: &T,
 ) -> Result<(), Failure> {
     let place = pointer::checked(what, place, 1)?.cast_mut();
-    // SAFETY: as in `read`.
+    // SAFETY: the checks are those of `read`, clause `structs` for the writable bytes; no more of
+    // them than both versions have are touched.
     unsafe {
         let size = place.cast::<usize>().read();
         check_struct_size::<T>(what, size)?;

@@ -41,7 +41,7 @@ pub unsafe extern "C" fn cata_pca_params_init(
     params: *mut cata_pca_params,
     struct_size: usize,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `structs` (`params`).
     unsafe { init(params, struct_size) }
 }
 
@@ -88,7 +88,8 @@ pub unsafe extern "C" fn cata_pca(
         if m < 2 {
             return Err(Failure::argument("m", "at least 2 rows", m));
         }
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`), clause `passed on` (`rows_of`,
+        // `ComponentOutputs::new`).
         let (a, outputs, params) = unsafe {
             let a = rows_of("a", layout, m, n, a, lda)?;
             let vectors =
@@ -133,7 +134,9 @@ impl<'a> ComponentOutputs<'a> {
         if count > n {
             return Err(Failure::argument("count", format!("at most {n} (columns of a)"), count));
         }
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`components`, `count` x n; `explained_variance`, `count`
+        // elements; `explained_variance_ratio`, `count` elements; `singular_values`, `count`
+        // elements; `mean`, `n` elements; `scale`, `n` elements).
         unsafe {
             let components =
                 optional_matrix_mut("components", layout, count, n, components, ldcomponents)?;

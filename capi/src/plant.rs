@@ -100,7 +100,7 @@ pub unsafe extern "C" fn cata_plant_params_init(
     params: *mut cata_plant_params,
     struct_size: usize,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `structs` (`params`).
     unsafe { init(params, struct_size) }
 }
 
@@ -131,7 +131,8 @@ pub unsafe extern "C" fn cata_plant_new(
 ) -> cata_status {
     boundary(|| {
         check_size::<f64>("tails", n, 3)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`tails`, `3 * n` elements; `radii`, `n` elements; `parents`, `n`
+        // elements; `kinds`, `n` elements; `base`, `3` elements; `plant`, one value).
         let (tails, radii, parents, kinds, base, place) = unsafe {
             (
                 slice("tails", tails, 3 * n)?,
@@ -156,7 +157,7 @@ pub unsafe extern "C" fn cata_plant_new(
         let parents: Vec<Option<u32>> =
             parents.iter().map(|&p| (p != CATA_NO_PARENT).then_some(p)).collect();
         let graph = Plant::new(segments, &parents, base.map(|b| [b[0], b[1], b[2]]))?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `passed on` (`model`).
         *place = unsafe { model(graph, params) }?;
         Ok(())
     })
@@ -174,10 +175,10 @@ pub unsafe extern "C" fn cata_plant_read(
     plant: *mut *mut cata_plant,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`plant`, one value), clause `texts` (`path`).
         let (path, place) = unsafe { (self::path("path", path)?, output("plant", plant)?) };
         let graph = catamaran_simulation::plant::read(&path)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `passed on` (`model`).
         *place = unsafe { model(graph, params) }?;
         Ok(())
     })
@@ -195,10 +196,10 @@ pub unsafe extern "C" fn cata_plant_grow(
     plant: *mut *mut cata_plant,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`plant`, one value).
         let place = unsafe { output("plant", plant) }?;
         let graph = grow(&GrowthOptions::new().nodes(n).seed(seed))?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `passed on` (`model`).
         *place = unsafe { model(graph, params) }?;
         Ok(())
     })
@@ -210,7 +211,7 @@ pub unsafe extern "C" fn cata_plant_grow(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_plant_free(plant: *mut cata_plant) {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `handles` (`plant`).
     unsafe { free(plant) };
 }
 
@@ -220,7 +221,7 @@ pub unsafe extern "C" fn cata_plant_free(plant: *mut cata_plant) {
 /// The pointer is NULL or a live plant.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_plant_size(plant: *const cata_plant) -> usize {
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `handles` (`plant`); NULL gives 0.
     unsafe { plant.as_ref() }.map_or(0, |plant| plant.model.len())
 }
 
@@ -239,9 +240,10 @@ pub unsafe extern "C" fn cata_plant_segments(
     base: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `passed on` (`live_of`).
         let graph = unsafe { live_of(plant, n)? }.graph.as_ref();
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`tails`, `3 * n` elements; `radii`, `n` elements; `parents`, `n`
+        // elements; `kinds`, `n` elements; `base`, `3` elements).
         let (tails, radii, parents, kinds, base) = unsafe {
             (
                 optional_slice_mut("tails", tails, 3 * n)?,
@@ -277,7 +279,7 @@ pub unsafe extern "C" fn cata_plant_full_water(
     water: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`water`, `n` elements), clause `passed on` (`live_of`).
         let (plant, water) = unsafe { (live_of(plant, n)?, slice_mut("water", water, n)?) };
         water.copy_from_slice(&plant.model.full());
         Ok(())
@@ -290,7 +292,7 @@ pub unsafe extern "C" fn cata_plant_full_water(
 /// `plant` is a live plant.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_plant_set_loss(plant: *mut cata_plant, loss: f64) -> cata_status {
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `passed on` (`change`).
     unsafe { change(plant, |model| model.set_loss(loss)) }
 }
 
@@ -300,7 +302,7 @@ pub unsafe extern "C" fn cata_plant_set_loss(plant: *mut cata_plant, loss: f64) 
 /// `plant` is a live plant.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_plant_set_intake(plant: *mut cata_plant, intake: f64) -> cata_status {
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `passed on` (`change`).
     unsafe { change(plant, |model| model.set_intake(intake)) }
 }
 
@@ -315,7 +317,7 @@ pub unsafe extern "C" fn cata_plant_weaken(
     node: usize,
     factor: f64,
 ) -> cata_status {
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `passed on` (`change`).
     unsafe { change(plant, |model| model.weaken(node, factor)) }
 }
 
@@ -331,7 +333,7 @@ pub unsafe extern "C" fn cata_plant_rates(
     rates: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`rates`, `n` elements), clause `passed on` (`live_of`).
         let (plant, rates) = unsafe { (live_of(plant, n)?, slice_mut("rates", rates, n)?) };
         rates.copy_from_slice(SpectralSolution::new(&plant.model)?.rates());
         Ok(())
@@ -352,9 +354,9 @@ pub unsafe extern "C" fn cata_plant_water_after(
     result: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`water`, `n` elements), clause `passed on` (`live_of`).
         let (plant, water) = unsafe { (live_of(plant, n)?, copied("water", water, n)?) };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`result`, `n` elements).
         let result = unsafe { slice_mut("result", result, n) }?;
         let after = plant
             .caller
@@ -387,7 +389,8 @@ pub unsafe extern "C" fn cata_plant_water_curve(
 ) -> cata_status {
     boundary(|| {
         check_size::<f64>("result", n_times, n)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`times`, `n_times` elements; `result`, `n_times * n` elements),
+        // clause `passed on` (`live_of`, `cycle`).
         let (plant, times, cycle, result) = unsafe {
             (
                 live_of(plant, n)?,
@@ -396,7 +399,7 @@ pub unsafe extern "C" fn cata_plant_water_curve(
                 slice_mut("result", result, n_times * n)?,
             )
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `passed on` (`water_or_full`).
         let water = unsafe { water_or_full(plant, water) }?;
         let options = CurveOptions::new().cycle(cycle).par(plant.par);
         let found = plant.caller.with(|progress| {
@@ -420,10 +423,10 @@ pub unsafe extern "C" fn cata_plant_start(
     step: f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`plant`).
         let plant = unsafe { known_mut("plant", plant) }?;
         check_count(plant, n)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `passed on` (`water_or_full`).
         let water = unsafe { water_or_full(plant, water) }?;
         plant.stepper = Some(Bdf6::new(&plant.model, &water, step, Start::Radau, plant.par)?);
         plant.changed = false;
@@ -444,7 +447,7 @@ pub unsafe extern "C" fn cata_plant_step(
     water: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`water`, `n` elements), clause `handles` (`plant`).
         let (plant, water) =
             unsafe { (known_mut("plant", plant)?, optional_slice_mut("water", water, n)?) };
         if water.is_some() {
@@ -480,7 +483,8 @@ pub unsafe extern "C" fn cata_plant_stiffness(
     moduli: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`water`, `n` elements; `moduli`, `n` elements), clause `passed
+        // on` (`live_of`).
         let (plant, water, moduli) = unsafe {
             (live_of(plant, n)?, slice("water", water, n)?, slice_mut("moduli", moduli, n)?)
         };
@@ -497,7 +501,7 @@ unsafe fn model(
     graph: Plant,
     params: *const cata_plant_params,
 ) -> Result<*mut cata_plant, Failure> {
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `structs` (`params`).
     let params = unsafe { read_or_zeros("params", params) }?;
     let default = WaterOptions::default();
     let mut options = WaterOptions::new()
@@ -545,7 +549,7 @@ unsafe fn change(
     work: impl FnOnce(&mut WaterModel) -> catamaran::Result<()>,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`plant`).
         let plant = unsafe { known_mut("plant", plant) }?;
         work(&mut plant.model)?;
         plant.changed = true;
@@ -561,7 +565,7 @@ pub(super) unsafe fn live_of<'a>(
     plant: *const cata_plant,
     n: usize,
 ) -> Result<&'a cata_plant, Failure> {
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `handles` (`plant`).
     let plant = unsafe { known("plant", plant) }?;
     check_count(plant, n)?;
     Ok(plant)
@@ -588,7 +592,7 @@ unsafe fn water_or_full(plant: &cata_plant, water: *const f64) -> Result<Vec<f64
     if water.is_null() {
         return Ok(plant.model.full());
     }
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `memory` (`water`, `plant.model.len()` elements).
     Ok(unsafe { slice("water", water, plant.model.len()) }?.to_vec())
 }
 
@@ -598,7 +602,7 @@ unsafe fn water_or_full(plant: &cata_plant, water: *const f64) -> Result<Vec<f64
 /// `intervals` has 2 `count` elements.
 pub(super) unsafe fn cycle(count: usize, intervals: *const f64) -> Result<Vec<Interval>, Failure> {
     check_size::<f64>("intervals", count, 2)?;
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `memory` (`intervals`, `2 * count` elements).
     let numbers = unsafe { slice("intervals", intervals, 2 * count) }?;
     let interval = |&[seconds, loss]: &[f64; 2]| Interval { seconds, loss };
     Ok(numbers.as_chunks().0.iter().map(interval).collect())

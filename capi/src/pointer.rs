@@ -63,7 +63,8 @@ pub(super) unsafe fn sparse<'a, T: Real>(
     columns: *const usize,
     entries: *const T,
 ) -> Result<CsMatView<'a, T>, Failure> {
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `memory`: each array is checked and has as many elements as the contract says;
+    // `starts` returns rows + 1 elements, the last of which is the number of entries.
     unsafe {
         let row_starts = starts(rows, row_starts)?;
         let count = row_starts[rows];
@@ -89,7 +90,8 @@ pub(super) unsafe fn pattern<'a>(
     row_starts: *const usize,
     columns: *const usize,
 ) -> Result<Places<'a>, Failure> {
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `memory`: each array is checked and has as many elements as the contract says;
+    // `starts` returns rows + 1 elements, the last of which is the number of entries.
     unsafe {
         let row_starts = starts(rows, row_starts)?;
         let count = row_starts[rows];
@@ -107,7 +109,8 @@ pub(super) unsafe fn pattern<'a>(
 unsafe fn starts<'a>(rows: usize, row_starts: *const usize) -> Result<&'a [usize], Failure> {
     match rows {
         0 => Ok(&[0]),
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory`: there are rows, so that `row_starts` has rows + 1 elements; a
+        // number that saturates is refused.
         _ => unsafe { slice("row_starts", row_starts, rows.saturating_add(1)) },
     }
 }
@@ -133,8 +136,8 @@ pub(super) unsafe fn matrix<'a, T: Copy>(
     let (len, row_stride, col_stride) = strides::<T>(what, layout, rows, cols, ld)?;
     let pointer = checked(what, pointer, len)?;
     regions::add(region(what, layout, rows, cols, pointer, ld, false))?;
-    // SAFETY: not NULL, aligned, and its extent is within an allocation's limit; the rest is the
-    // caller's promise.
+    // SAFETY: `checked` has excluded NULL and checked the alignment, `strides` that the extent is
+    // within an allocation's limit; clause `memory` for the elements.
     Ok(unsafe { MatRef::from_raw_parts(pointer, rows, cols, row_stride, col_stride) })
 }
 
@@ -154,7 +157,9 @@ pub(super) unsafe fn matrix_mut<'a, T: Copy>(
     let (len, row_stride, col_stride) = strides::<T>(what, layout, rows, cols, ld)?;
     let pointer = checked(what, pointer, len)?.cast_mut();
     regions::add(region(what, layout, rows, cols, pointer, ld, true))?;
-    // SAFETY: as in `matrix`; strides of distinct entries differ as ld >= the length of a line.
+    // SAFETY: the checks are those of `matrix`; clause `memory` for the elements, which are
+    // distinct because ld is at least the length of a line, and `regions` has refused other
+    // arguments that overlap them.
     Ok(unsafe { MatMut::from_raw_parts_mut(pointer, rows, cols, row_stride, col_stride) })
 }
 
@@ -180,7 +185,8 @@ pub(super) unsafe fn matrices<'a, T: Copy>(
     all: &mut Vec<Region>,
 ) -> Result<Vec<MatRef<'a, T>>, Failure> {
     let [_, rows, cols] = shape;
-    // SAFETY: the caller's promise; `batch` has checked the pointers as `matrix` does.
+    // SAFETY: `batch` has checked each pointer and the shape as `matrix` does; clause `memory` for
+    // the elements of each matrix.
     unsafe {
         batch(what, layout, shape, starts, ld, false, all, |start, down, across| {
             MatRef::from_raw_parts(start, rows, cols, down, across)
@@ -201,7 +207,9 @@ pub(super) unsafe fn matrices_mut<'a, T: Copy>(
     all: &mut Vec<Region>,
 ) -> Result<Vec<MatMut<'a, T>>, Failure> {
     let [_, rows, cols] = shape;
-    // SAFETY: as in `matrices`.
+    // SAFETY: `batch` has checked each pointer and the shape as `matrix` does, and matrices at one
+    // distance do not overlap; clause `memory` for the elements. Those at pointers of their own are
+    // compared by `regions::check_batch` before one is written, as the contract asks.
     unsafe {
         batch(what, layout, shape, starts, ld, true, all, |start, down, across| {
             MatMut::from_raw_parts_mut(start.cast_mut(), rows, cols, down, across)
@@ -252,7 +260,7 @@ unsafe fn batch<T: Copy, V>(
             views.extend(starts.map(|start| view(start, down, across)));
         }
         Starts::At(pointers) => {
-            // SAFETY: the caller's promise.
+            // SAFETY: clause `memory`: the array has `count` pointers.
             let pointers = unsafe { slice(what, pointers, count) }?;
             room(all, count)?;
             for (i, &start) in pointers.iter().enumerate() {
@@ -279,7 +287,8 @@ pub(super) unsafe fn slice<'a, T: Copy>(
     check_size::<T>(what, len, 1)?;
     let pointer = checked(what, pointer, len)?;
     regions::add(region(what, Layout::RowMajor, 1, len, pointer, len, false))?;
-    // SAFETY: not NULL, aligned, within an allocation's limit; the rest is the caller's promise.
+    // SAFETY: `checked` has excluded NULL and checked the alignment, `check_size` that the extent
+    // is within an allocation's limit; clause `memory` for the elements.
     Ok(unsafe { std::slice::from_raw_parts(pointer, len) })
 }
 
@@ -295,7 +304,8 @@ pub(super) unsafe fn copied<T: Copy>(
 ) -> Result<Vec<T>, Failure> {
     check_size::<T>(what, len, 1)?;
     let pointer = checked(what, pointer, len)?;
-    // SAFETY: as in `slice`.
+    // SAFETY: the checks are those of `slice`; clause `memory` for the elements, which are copied
+    // at once.
     Ok(unsafe { std::slice::from_raw_parts(pointer, len) }.to_vec())
 }
 
@@ -311,7 +321,7 @@ pub(super) unsafe fn optional_slice<'a, T: Copy>(
     if pointer.is_null() {
         return Ok(None);
     }
-    // SAFETY: passed on to the caller.
+    // SAFETY: not NULL, so that the contract is that of `slice`.
     unsafe { slice(what, pointer, len) }.map(Some)
 }
 
@@ -327,7 +337,8 @@ pub(super) unsafe fn slice_mut<'a, T: Copy>(
     check_size::<T>(what, len, 1)?;
     let pointer = checked(what, pointer, len)?.cast_mut();
     regions::add(region(what, Layout::RowMajor, 1, len, pointer, len, true))?;
-    // SAFETY: as in `slice`.
+    // SAFETY: the checks are those of `slice`; clause `memory` for the elements, and `regions` has
+    // refused other arguments that overlap them.
     Ok(unsafe { std::slice::from_raw_parts_mut(pointer, len) })
 }
 
@@ -337,7 +348,7 @@ pub(super) unsafe fn slice_mut<'a, T: Copy>(
 /// `handle` is NULL or alive, and no thread changes its contents, during `'a`.
 #[cfg(feature = "chapters")]
 pub(super) unsafe fn known<'a, T>(what: &str, handle: *const T) -> Result<&'a T, Failure> {
-    // SAFETY: passed on to the caller.
+    // SAFETY: clause `handles`; NULL gives `None`.
     unsafe { handle.as_ref() }.ok_or_else(|| Failure::null(what))
 }
 
@@ -347,7 +358,7 @@ pub(super) unsafe fn known<'a, T>(what: &str, handle: *const T) -> Result<&'a T,
 /// `handle` is NULL or alive, and no other thread uses it, during `'a`.
 #[cfg(feature = "chapters")]
 pub(super) unsafe fn known_mut<'a, T>(what: &str, handle: *mut T) -> Result<&'a mut T, Failure> {
-    // SAFETY: passed on to the caller.
+    // SAFETY: clause `handles`, to be changed: nobody else uses it during `'a`; NULL gives `None`.
     unsafe { handle.as_mut() }.ok_or_else(|| Failure::null(what))
 }
 
@@ -358,7 +369,8 @@ pub(super) unsafe fn known_mut<'a, T>(what: &str, handle: *mut T) -> Result<&'a 
 pub(super) unsafe fn free<T>(handle: *mut T) {
     boundary(|| {
         if !handle.is_null() {
-            // SAFETY: the caller's promise.
+            // SAFETY: clause `handles`: not NULL, so that it came from `Box::into_raw` and is freed
+            // once.
             drop(unsafe { Box::from_raw(handle) });
         }
         Ok(())
@@ -375,7 +387,8 @@ pub(super) unsafe fn output<'a, T>(
 ) -> Result<&'a mut T, Failure> {
     let pointer = checked(what, pointer, 1)?.cast_mut();
     regions::add(region(what, Layout::RowMajor, 1, 1, pointer, 1, true))?;
-    // SAFETY: the caller's promise; `checked` has excluded NULL and checked the alignment.
+    // SAFETY: `checked` has excluded NULL and checked the alignment; clause `memory` for the place,
+    // which `regions` keeps apart from other arguments.
     Ok(unsafe { &mut *pointer })
 }
 
@@ -390,7 +403,7 @@ pub(super) unsafe fn optional_output<'a, T>(
     if pointer.is_null() {
         return Ok(None);
     }
-    // SAFETY: passed on to the caller.
+    // SAFETY: not NULL, so that the contract is that of `output`.
     unsafe { output(what, pointer) }.map(Some)
 }
 
@@ -414,7 +427,8 @@ pub(super) unsafe fn mesh(
 ) -> Result<TriMesh, Failure> {
     check_size::<f64>("vertices", n_vertices, 3)?;
     check_size::<u32>("faces", n_faces, 3)?;
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `memory`: 3 numbers of each vertex and 3 indices of each face, whose products
+    // `check_size` has kept from an overflow.
     let (vertices, faces) = unsafe {
         (slice("vertices", vertices, 3 * n_vertices)?, slice("faces", faces, 3 * n_faces)?)
     };
@@ -434,7 +448,7 @@ pub(super) unsafe fn optional_slice_mut<'a, T: Copy>(
     if pointer.is_null() {
         return Ok(None);
     }
-    // SAFETY: passed on to the caller.
+    // SAFETY: not NULL, so that the contract is that of `slice_mut`.
     unsafe { slice_mut(what, pointer, len) }.map(Some)
 }
 
@@ -454,7 +468,7 @@ pub(super) unsafe fn optional_matrix_mut<'a>(
     if pointer.is_null() {
         return Ok(None);
     }
-    // SAFETY: passed on to the caller.
+    // SAFETY: not NULL, so that the contract is that of `matrix_mut`.
     unsafe { matrix_mut(what, layout, rows, cols, pointer, ld) }.map(Some)
 }
 

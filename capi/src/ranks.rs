@@ -48,7 +48,7 @@ pub(super) unsafe fn collective(
     operation: Operation,
     work: impl FnOnce(&Entrance<'_>) -> Outcome,
 ) -> Outcome {
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `passed on` (`world`).
     let world = unsafe { self::world(world) }?;
     let _guard = world.abort_on_panic();
     let entrance = Entrance { world, passed: Cell::new(false) };
@@ -66,7 +66,7 @@ pub(super) unsafe fn collective(
 /// # Safety
 /// NULL or alive.
 pub(super) unsafe fn world<'w>(world: *const cata_world) -> Result<&'w World, Failure> {
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `handles` (`world`).
     unsafe { known("world", world) }.map(|w| &w.world)
 }
 
@@ -75,7 +75,7 @@ pub(super) unsafe fn world<'w>(world: *const cata_world) -> Result<&'w World, Fa
 /// # Safety
 /// NULL or alive.
 pub(super) unsafe fn entries<'s>(matrix: *const cata_symmetric) -> Result<&'s Entries, Failure> {
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `handles` (`symmetric`).
     unsafe { known("symmetric", matrix) }.map(|m| &m.entries)
 }
 
@@ -84,7 +84,7 @@ pub(super) unsafe fn entries<'s>(matrix: *const cata_symmetric) -> Result<&'s En
 /// # Safety
 /// As the header says.
 pub(super) unsafe fn number(what: &'static str, place: *mut usize, value: usize) -> Outcome {
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `passed on` (`output`).
     *unsafe { output(what, place) }? = value;
     Ok(())
 }
@@ -104,7 +104,8 @@ pub(super) unsafe fn rows<T: Held>(
     params: *const cata_ata_params,
     c: *mut *mut cata_symmetric,
 ) -> Outcome {
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `memory` (`a`, m x n; `c`, one value), clause `structs` (`params`), clause
+    // `passed on` (`collective`).
     unsafe {
         collective(world, Operation::Rows, |entrance| {
             let a = matrix("a", Layout::new(layout)?, m, n, a, lda)?;
@@ -143,7 +144,8 @@ pub(super) unsafe fn cyclic(
     grid_order: i32,
     params: *const cata_ata_params,
 ) -> Outcome {
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `memory` (`a`, `rows` x `cols`; `c`, `rows` x `cols`), clause `structs`
+    // (`params`), clause `passed on` (`collective`, `slice`, `product`).
     unsafe {
         collective(world, Operation::Cyclic, |entrance| {
             let uplo = uplo_from(uplo)?;
@@ -188,7 +190,7 @@ pub(super) unsafe fn gather<T: Held>(
     c: *mut T,
     ldc: usize,
 ) -> Outcome {
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `memory` (`c`, n x n), clause `passed on` (`collective`).
     unsafe {
         collective(world, Operation::Gather, |entrance| {
             let symmetric = of_world::<T>(symmetric, entrance.world)?;
@@ -223,7 +225,8 @@ pub(super) unsafe fn check<T: Held>(
     residual: *mut f64,
     tolerance: *mut f64,
 ) -> Outcome {
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `memory` (`a`, `rows` x `cols`; `passed`, one value; `residual`, one value;
+    // `tolerance`, one value), clause `passed on` (`collective`).
     unsafe {
         collective(world, Operation::Verify, |entrance| {
             let symmetric = of_world::<T>(symmetric, entrance.world)?;
@@ -257,7 +260,7 @@ unsafe fn of_world<'s, T: Held>(
     symmetric: *const cata_symmetric,
     world: &World,
 ) -> Result<&'s Symmetric<T>, Failure> {
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `passed on` (`entries`).
     let Some(matrix) = T::held(unsafe { entries(symmetric) }?) else {
         let why = format!("symmetric: does not hold entries of type {}", T::NAME);
         return Err(Failure::new(CATA_ERR_ARGUMENT, why));

@@ -118,7 +118,7 @@ pub unsafe extern "C" fn cata_repair_params_init(
     params: *mut cata_repair_params,
     struct_size: usize,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `structs` (`params`).
     unsafe { init(params, struct_size) }
 }
 
@@ -135,7 +135,8 @@ pub unsafe extern "C" fn cata_repair_new(
     repair: *mut *mut cata_repair,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`repair`, one value), clause `handles` (`file`), clause
+        // `structs` (`params`).
         let (file, params, place) = unsafe {
             let file = &known("file", file)?.file;
             (file, read_or_zeros("params", params)?, output("repair", repair)?)
@@ -154,7 +155,7 @@ pub unsafe extern "C" fn cata_repair_new(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_repair_free(repair: *mut cata_repair) {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `handles` (`repair`).
     unsafe { free(repair) };
 }
 
@@ -168,7 +169,7 @@ pub unsafe extern "C" fn cata_repair_file(
     file: *mut *mut cata_mesh_file,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`file`, one value), clause `handles` (`repair`).
         let (own, place) = unsafe { (known("repair", repair)?, output("file", file)?) };
         hand_over(place, cata_mesh_file { file: own.repaired.file.clone() });
         Ok(())
@@ -186,7 +187,8 @@ pub unsafe extern "C" fn cata_repair_vertices(
     vertices: *mut u32,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`vertices`, `own.n_vertices` elements), clause `handles`
+        // (`repair`).
         let (own, vertices) = unsafe {
             let own = known("repair", repair)?;
             (own, slice_mut("vertices", vertices, own.n_vertices)?)
@@ -211,7 +213,8 @@ pub unsafe extern "C" fn cata_repair_steps(
     changed: *mut i32,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`count`, one value; `changed`, one value), clause `handles`
+        // (`repair`).
         let (own, count, changed) = unsafe {
             let own = known("repair", repair)?;
             (own, optional_output("count", count)?, optional_output("changed", changed)?)
@@ -248,7 +251,8 @@ pub unsafe extern "C" fn cata_repair_step(
     left: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`kind`, one value), clause `handles` (`repair`), clause `passed
+        // on` (`optional_output`).
         let (step, kind, places) = unsafe {
             let places = [
                 ("vertices", vertices),
@@ -285,7 +289,7 @@ pub unsafe extern "C" fn cata_repair_step_text(
     text: *mut c_char,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`text`, `size` elements), clause `handles` (`repair`).
         let (step, text) =
             unsafe { (one(known("repair", repair)?, step)?, slice_mut("text", text, size)?) };
         write_text(text, &step.to_string());
@@ -311,7 +315,8 @@ pub unsafe extern "C" fn cata_repair_needed(
 ) -> cata_status {
     boundary(|| {
         let size = if text.is_null() { 0 } else { size };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `needed`, one
+        // value; `text`, `size` elements).
         let (mesh, needed, text) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,

@@ -70,7 +70,7 @@ pub unsafe extern "C" fn cata_plant_rods_params_init(
     params: *mut cata_plant_rods_params,
     struct_size: usize,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `structs` (`params`).
     unsafe { init(params, struct_size) }
 }
 
@@ -85,9 +85,9 @@ pub unsafe extern "C" fn cata_plant_rods_new(
     rods: *mut *mut cata_plant_rods,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`rods`, one value), clause `handles` (`plant`).
         let (plant, place) = unsafe { (known("plant", plant)?, output("rods", rods)?) };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         let params = unsafe { read_or_zeros("params", params) }?;
         let (default, rest) = (RodOptions::default(), RelaxOptions::default());
         let options = RodOptions::new()
@@ -130,7 +130,7 @@ pub unsafe extern "C" fn cata_plant_rods_new(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_plant_rods_free(rods: *mut cata_plant_rods) {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `handles` (`rods`).
     unsafe { free(rods) };
 }
 
@@ -147,7 +147,8 @@ pub unsafe extern "C" fn cata_plant_rods_set_state(
     water: *const f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`moduli`, `n` elements; `water`, `n` elements), clause `handles`
+        // (`rods`).
         let (rods, moduli, water) = unsafe {
             (known_mut("rods", rods)?, slice("moduli", moduli, n)?, slice("water", water, n)?)
         };
@@ -174,13 +175,13 @@ pub unsafe extern "C" fn cata_plant_rods_set_pose(
     rotations: *const f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`rods`).
         let rods = unsafe { known_mut("rods", rods) }?;
         count_is(rods.rods.len(), n)?;
         let pose = if rotations.is_null() {
             rods.rods.rest_pose()
         } else {
-            // SAFETY: the caller's promise.
+            // SAFETY: clause `memory` (`rotations`, `4 * n` elements).
             rods.rods.pose(unsafe { slice("rotations", rotations, 4 * n) }?.as_chunks().0)?
         };
         (rods.pose, rods.motion) = (pose, None);
@@ -202,10 +203,11 @@ pub unsafe extern "C" fn cata_plant_rods_pose(
     rotations: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`rods`).
         let rods = unsafe { known("rods", rods) }?;
         count_is(rods.rods.len(), n)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`heads`, `3 * n` elements; `tails`, `3 * n` elements;
+        // `rotations`, `4 * n` elements).
         let (heads, tails, rotations) = unsafe {
             (
                 optional_slice_mut("heads", heads, 3 * n)?,
@@ -234,7 +236,8 @@ pub unsafe extern "C" fn cata_plant_rods_relax(
     residual: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`iterations`, one value; `residual`, one value), clause
+        // `handles` (`rods`).
         let (rods, iterations, residual) = unsafe {
             (
                 known_mut("rods", rods)?,
@@ -265,7 +268,7 @@ pub unsafe extern "C" fn cata_plant_rods_step(
     gap: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`gap`, one value), clause `handles` (`rods`).
         let (handle, gap) = unsafe { (known_mut("rods", rods)?, optional_output("gap", gap)?) };
         let cata_plant_rods { rods, pose, motion, motion_options, caller, .. } = handle;
         let motion = match motion {
@@ -296,11 +299,12 @@ pub unsafe extern "C" fn cata_plant_rods_tubes(
     faces: *mut u32,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`rods`).
         let rods = unsafe { known("rods", rods) }?;
         count_is(rods.rods.len(), n)?;
         check_size::<[f64; 6]>("vertices", n, sides)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`vertices`, `6 * n * sides` elements; `faces`, `6 * n * sides`
+        // elements).
         let (vertices, faces) = unsafe {
             (
                 optional_slice_mut("vertices", vertices, 6 * n * sides)?,
@@ -340,7 +344,8 @@ pub unsafe extern "C" fn cata_plant_wilt(
     boundary(|| {
         check_size::<[f64; 4]>("rotations", n_times, n)?;
         let count = n_times * n;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`times`, `n_times` elements), clause `passed on` (`live_of`,
+        // `cycle`).
         let (plant, rods, times, cycle) = unsafe {
             (
                 live_of(plant, n)?,
@@ -349,7 +354,8 @@ pub unsafe extern "C" fn cata_plant_wilt(
                 cycle(n_intervals, intervals)?,
             )
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`water`, `count` elements; `moduli`, `count` elements; `tails`,
+        // `3 * count` elements; `rotations`, `4 * count` elements).
         let (water, moduli, tails, rotations) = unsafe {
             (
                 optional_slice_mut("water", water, count)?,

@@ -53,7 +53,7 @@ pub unsafe extern "C" fn cata_ata_rows_f64(
     ldc: usize,
     params: *const cata_ata_params,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `passed on` (`rows`).
     unsafe {
         rows(layout, uplo, m, n, alpha, a, lda, weights, centering, center, beta, c, ldc, params)
     }
@@ -80,7 +80,7 @@ pub unsafe extern "C" fn cata_ata_rows_f32(
     ldc: usize,
     params: *const cata_ata_params,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `passed on` (`rows`).
     unsafe {
         rows(layout, uplo, m, n, alpha, a, lda, weights, centering, center, beta, c, ldc, params)
     }
@@ -106,7 +106,8 @@ unsafe fn rows<T: BlasReal>(
     ldc: usize,
     params: *const cata_ata_params,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `memory` (`weights`, `m` elements; `center`, `n` elements), clause `passed on`
+    // (`symmetric`).
     unsafe {
         symmetric(layout, uplo, (m, n, a, lda), (n, c, ldc), params, |a, c, options| {
             let weights = optional_slice("weights", weights, m)?;

@@ -37,7 +37,7 @@ pub unsafe extern "C" fn cata_shape_params_init(
     params: *mut cata_shape_params,
     struct_size: usize,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `structs` (`params`).
     unsafe { init(params, struct_size) }
 }
 
@@ -69,7 +69,9 @@ pub unsafe extern "C" fn cata_shape_from_spectrum(
     params: *const cata_shape_params,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face;
+        // `eigenvalues`, `k` elements; `positions`, `3 * n_vertices` elements; `found`, `k`
+        // elements; `error`, one value; `steps`, one value).
         let (template, wanted, positions, values, error, steps) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,
@@ -80,7 +82,7 @@ pub unsafe extern "C" fn cata_shape_from_spectrum(
                 optional_output("steps", steps)?,
             )
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`), clause `passed on` (`options`).
         let shape = unsafe {
             with_params(params, |params, progress| {
                 let options = options(params).progress(progress);

@@ -32,7 +32,8 @@ pub unsafe extern "C" fn cata_shape_dna(
     params: *const cata_eigs_params,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `signature`,
+        // `k` elements).
         let (mesh, signature) = unsafe {
             (mesh(n_vertices, vertices, n_faces, faces)?, slice_mut("signature", signature, k)?)
         };
@@ -45,7 +46,7 @@ pub unsafe extern "C" fn cata_shape_dna(
                 .progress(options.progress);
             Ok(shape_dna(&mesh, &options)?)
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         signature.copy_from_slice(&unsafe { with_eigen_options(k, params, work) }?);
         Ok(())
     })
@@ -75,7 +76,8 @@ pub unsafe extern "C" fn cata_shape_dna_retrieve(
         if wanted > count {
             return Err(Failure::argument("wanted", format!("at most {count} (count)"), wanted));
         }
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`query`, `k` elements; `signatures`, `count * k` elements;
+        // `indices`, `wanted` elements; `distances`, `wanted` elements).
         let (query, signatures, indices, distances) = unsafe {
             (
                 slice("query", query, k)?,

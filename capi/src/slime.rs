@@ -119,7 +119,7 @@ pub unsafe extern "C" fn cata_slime_params_init(
     params: *mut cata_slime_params,
     struct_size: usize,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `structs` (`params`).
     unsafe { init(params, struct_size) }
 }
 
@@ -149,19 +149,20 @@ pub unsafe extern "C" fn cata_slime_new(
 ) -> cata_status {
     boundary(|| {
         check_size::<f64>("uv", n_faces, 6)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `slime`, one
+        // value).
         let (mesh, slime) =
             unsafe { (mesh(n_vertices, vertices, n_faces, faces)?, output("slime", slime)?) };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         let params = unsafe { read_or_zeros("params", params) }?;
         let options = options(&params)?;
         options.check()?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `passed on` (`chosen`).
         let device = unsafe { chosen(params.device) }?;
         let uv = match uv.is_null() {
             true => atlas(&mesh, options.size)?,
             false => {
-                // SAFETY: the caller's promise.
+                // SAFETY: clause `memory` (`uv`, `6 * n_faces` elements).
                 let uv = unsafe { slice("uv", uv, 6 * n_faces) }?;
                 uv.as_chunks::<2>().0.as_chunks::<3>().0.to_vec()
             }
@@ -169,12 +170,12 @@ pub unsafe extern "C" fn cata_slime_new(
         let texels = options.size * options.size;
         let mut mask = Mask::default();
         if !start.is_null() {
-            // SAFETY: the caller's promise.
+            // SAFETY: clause `memory` (`start`, `texels` elements).
             mask.start =
                 unsafe { slice("start", start, texels) }?.iter().map(|&s| s != 0).collect();
         }
         if !ground.is_null() {
-            // SAFETY: the caller's promise.
+            // SAFETY: clause `memory` (`ground`, `texels` elements).
             mask.ground = unsafe { slice("ground", ground, texels) }?.to_vec();
         }
         let surface = Surface::of_faces(&mesh, uv)?;
@@ -241,7 +242,7 @@ fn is_second((field, value): (&str, i32)) -> Result<bool, Failure> {
 /// `slime` is NULL or from cata_slime_new, and has not been freed before.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_slime_free(slime: *mut cata_slime) {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `handles` (`slime`).
     unsafe { free(slime) };
 }
 
@@ -252,7 +253,7 @@ pub unsafe extern "C" fn cata_slime_free(slime: *mut cata_slime) {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_slime_step(slime: *mut cata_slime, steps: u32) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`slime`).
         let slime = unsafe { known_mut("slime", slime) }?;
         slime.caller.with(|progress| {
             #[cfg(feature = "opencl")]
@@ -278,7 +279,8 @@ pub unsafe extern "C" fn cata_slime_size(
     steps: *mut u32,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`size`, one value; `species`, one value; `faces`, one value;
+        // `steps`, one value), clause `handles` (`slime`).
         let (slime, outputs, steps) = unsafe {
             (
                 known("slime", slime)?,
@@ -310,11 +312,11 @@ pub unsafe extern "C" fn cata_slime_texture(
     texture: *mut f32,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`slime`).
         let slime = unsafe { known("slime", slime)? };
         check_species(&slime.simulation, species)?;
         let own = slime.simulation.texture(species);
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`texture`, `own.len()` elements).
         let texture = unsafe { slice_mut("texture", texture, own.len()) }?;
         #[cfg(feature = "opencl")]
         if let Some(on_device) = &slime.on_device {
@@ -338,7 +340,8 @@ pub unsafe extern "C" fn cata_slime_coverage(
     presence: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`coverage`, one value; `presence`, one value), clause `handles`
+        // (`slime`).
         let (slime, coverage, presence) = unsafe {
             (
                 known("slime", slime)?,
@@ -361,14 +364,14 @@ pub unsafe extern "C" fn cata_slime_coverage(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_slime_uv(slime: *const cata_slime, uv: *mut f64) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`slime`).
         let own = unsafe { known("slime", slime)? }
             .simulation
             .surface()
             .uv()
             .as_flattened()
             .as_flattened();
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`uv`, `own.len()` elements).
         unsafe { slice_mut("uv", uv, own.len()) }?.copy_from_slice(own);
         Ok(())
     })

@@ -68,21 +68,22 @@ pub unsafe extern "C" fn cata_region_enclosed(
 ) -> cata_status {
     boundary(|| {
         check_size::<u32>("along", count, 2)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `along`, `2 *
+        // count` elements).
         let (mesh, along) = unsafe {
             (mesh(n_vertices, vertices, n_faces, faces)?, slice("along", along, 2 * count)?)
         };
         let side = match side {
             CATA_SIDE_SMALL => Side::Small,
             CATA_SIDE_LARGE => Side::Large,
-            // SAFETY: the caller's promise.
+            // SAFETY: clause `memory` (`seeds`, `n_seeds` elements).
             CATA_SIDE_SEEDS => Side::Seeds(unsafe { slice("seeds", seeds, n_seeds) }?.to_vec()),
             other => {
                 let why = format!("side: must be a CATA_SIDE_* value, is {other}");
                 return Err(Failure::new(CATA_ERR_ARGUMENT, why));
             }
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`inside`, `n_faces` elements).
         let inside = unsafe { slice_mut("inside", inside, n_faces) }?;
         write(inside, &Region::enclosed(&mesh, along.as_chunks().0, &side)?);
         Ok(())
@@ -103,7 +104,7 @@ pub unsafe extern "C" fn cata_region_combine(
     result: *mut u8,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`result`, `n_faces` elements), clause `passed on` (`region`).
         let (first, second, result) = unsafe {
             (
                 region("first", first, n_faces)?,
@@ -140,7 +141,8 @@ pub unsafe extern "C" fn cata_region_area(
     area: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `area`, one
+        // value), clause `passed on` (`region`).
         let (mesh, region, area) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,
@@ -175,7 +177,8 @@ pub unsafe extern "C" fn cata_region_boundary(
 ) -> cata_status {
     boundary(|| {
         check_size::<u32>("edges", room, 2)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `edges`, `2 *
+        // room` elements; `count`, one value), clause `passed on` (`region`).
         let (mesh, region, edges, count) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,
@@ -206,7 +209,8 @@ pub unsafe extern "C" fn cata_region_part(
     part: *mut *mut cata_part,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `part`, one
+        // value), clause `passed on` (`region`).
         let (mesh, region, place) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,
@@ -239,7 +243,8 @@ pub unsafe extern "C" fn cata_region_cut(
 ) -> cata_status {
     boundary(|| {
         check_size::<u32>("along", count, 2)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `along`, `2 *
+        // count` elements; `part`, one value).
         let (mesh, along, place) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,
@@ -263,7 +268,8 @@ pub unsafe extern "C" fn cata_part_size(
     n_faces: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`n_vertices`, one value; `n_faces`, one value), clause `handles`
+        // (`part`).
         let (own, places) = unsafe {
             let n_vertices = optional_output("n_vertices", n_vertices)?;
             (&known("part", part)?.part, [n_vertices, optional_output("n_faces", n_faces)?])
@@ -290,7 +296,8 @@ pub unsafe extern "C" fn cata_part_get(
     of_faces: *mut u32,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`of_vertices`, `own.vertices.len()` elements; `of_faces`,
+        // `own.faces.len()` elements), clause `handles` (`part`), clause `passed on` (`fill_mesh`).
         unsafe {
             let own = &known("part", part)?.part;
             let of_vertices = optional_slice_mut("of_vertices", of_vertices, own.vertices.len())?;
@@ -309,7 +316,7 @@ pub unsafe extern "C" fn cata_part_get(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_part_free(part: *mut cata_part) {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `handles` (`part`).
     unsafe { free(part) };
 }
 
@@ -318,7 +325,7 @@ pub unsafe extern "C" fn cata_part_free(part: *mut cata_part) {
 /// # Safety
 /// The elements can be read, and no thread writes them.
 unsafe fn region(what: &'static str, inside: *const u8, faces: usize) -> Result<Region, Failure> {
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `passed on` (`slice`).
     let inside = unsafe { slice(what, inside, faces) }?;
     if let Some(f) = inside.iter().position(|&x| x > 1) {
         let why = format!("{what}: must be 0 or 1, but element {f} is {}", inside[f]);

@@ -116,7 +116,7 @@ pub unsafe extern "C" fn cata_table_params_init(
     params: *mut cata_table_params,
     struct_size: usize,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `structs` (`params`).
     unsafe { init(params, struct_size) }
 }
 
@@ -133,11 +133,12 @@ pub unsafe extern "C" fn cata_table_read(
     table: *mut *mut cata_table,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`table`, one value), clause `structs` (`params`), clause `texts`
+        // (`path`).
         let (path, params, place) = unsafe {
             (self::path("path", path)?, read_or_zeros("params", params)?, output("table", table)?)
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `texts` (those of `params`).
         let options = unsafe { params.options() }?;
         let caller = params.caller();
         let found = caller.with(|progress| read_file(&path, &options.progress(progress)))?;
@@ -159,7 +160,8 @@ pub unsafe extern "C" fn cata_table_shape(
     dropped_rows: *mut u64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`rows`, one value; `columns`, one value; `dropped_rows`, one
+        // value), clause `handles` (`table`).
         let (table, rows, columns, dropped) = unsafe {
             (
                 known("table", table)?,
@@ -196,7 +198,7 @@ pub unsafe extern "C" fn cata_table_entries(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`entries`, m x n), clause `handles` (`table`).
         let (table, mut place) = unsafe {
             let table = known("table", table)?;
             let (m, n) = table.entries.shape();
@@ -214,7 +216,7 @@ pub unsafe extern "C" fn cata_table_entries(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_table_name(table: *const cata_table, column: usize) -> *const c_char {
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `handles` (`table`); NULL gives the default.
     let column = unsafe { table.as_ref() }.and_then(|table| table.columns.get(column));
     column.map_or(c"".as_ptr(), |column| column.name.as_ptr())
 }
@@ -226,7 +228,7 @@ pub unsafe extern "C" fn cata_table_name(table: *const cata_table, column: usize
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_table_levels(table: *const cata_table, column: usize) -> usize {
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `handles` (`table`); NULL gives the default.
     let column = unsafe { table.as_ref() }.and_then(|table| table.columns.get(column));
     column.map_or(0, |column| column.levels.len())
 }
@@ -242,7 +244,7 @@ pub unsafe extern "C" fn cata_table_level(
     column: usize,
     level: usize,
 ) -> *const c_char {
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `handles` (`table`); NULL gives the default.
     let column = unsafe { table.as_ref() }.and_then(|table| table.columns.get(column));
     let level = column.and_then(|column| column.levels.get(level));
     level.map_or(c"".as_ptr(), |level| level.as_ptr())
@@ -256,7 +258,7 @@ pub unsafe extern "C" fn cata_table_level(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_table_reading(table: *const cata_table) -> *const c_char {
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `handles` (`table`); NULL gives the default.
     unsafe { table.as_ref() }.map_or(c"".as_ptr(), |table| table.reading.as_ptr())
 }
 
@@ -266,7 +268,7 @@ pub unsafe extern "C" fn cata_table_reading(table: *const cata_table) -> *const 
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_table_free(table: *mut cata_table) {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `handles` (`table`).
     unsafe { free(table) };
 }
 
@@ -276,7 +278,8 @@ impl cata_table_params {
     /// # Safety
     /// The texts are NULL or NUL-terminated.
     unsafe fn options<'a>(&self) -> Result<ReadOptions<'a>, Failure> {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `texts` (`params.columns`, `params.factors`, `params.missing_words`,
+        // `params.encoding`, `params.format`).
         let (columns, factors, words, encoding, format) = unsafe {
             (
                 optional_text("params.columns", self.columns)?,
@@ -389,7 +392,7 @@ unsafe fn optional_text(what: &str, text: *const c_char) -> Result<Option<String
     if text.is_null() {
         return Ok(None);
     }
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `texts` (`text`).
     let text = unsafe { self::text(what, text) }?;
     let text = text
         .to_str()

@@ -42,7 +42,8 @@ pub unsafe extern "C" fn cata_mesh_edges(
 ) -> cata_status {
     boundary(|| {
         check_size::<u32>("edges", room, 2)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `edges`, `2 *
+        // room` elements; `face_counts`, `room` elements; `count`, one value).
         let (mesh, ends, face_counts, count) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,
@@ -81,7 +82,9 @@ pub unsafe extern "C" fn cata_mesh_components(
     count: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face;
+        // `of_vertices`, `n_vertices` elements; `of_faces`, `n_faces` elements; `count`, one
+        // value).
         let (mesh, of_vertices, of_faces, count) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,
@@ -116,7 +119,8 @@ pub unsafe extern "C" fn cata_mesh_genus(
     orientable: *mut i32,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `genus`, one
+        // value; `orientable`, one value).
         let (mesh, genus, orientable) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,
@@ -160,7 +164,8 @@ pub unsafe extern "C" fn cata_mesh_boundary_loops(
     count: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `loops`,
+        // `room` elements; `lengths`, `room` elements; `total`, one value; `count`, one value).
         let (mesh, loops, lengths, total, count) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,

@@ -30,11 +30,11 @@ pub unsafe extern "C" fn cata_transfer(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`source`, `target`).
         let (source, target) = unsafe { (known("source", source)?, known("target", target)?) };
         let (source, target) = (source.eigen("source")?, target.eigen("target")?);
         let (n, m) = (source.basis().vertices(), target.basis().vertices());
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`points`, `m` elements; `f`, n x `count`; `g`, m x `count`).
         let (points, f, mut g) = unsafe {
             (
                 slice("points", points, m)?,
@@ -42,7 +42,7 @@ pub unsafe extern "C" fn cata_transfer(
                 matrix_mut("g", layout, m, count, g, ldg)?,
             )
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         g.copy_from(&unsafe {
             with_basis_options(params, |options| {
                 let progress = options.progress;
@@ -79,10 +79,11 @@ pub unsafe extern "C" fn cata_transfer_map(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`source`, `target`).
         let (source, target) =
             unsafe { (known("source", source)?.basis(), known("target", target)?.basis()) };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`c`, `target.len()` x `source.len()`; `f`, `source.vertices()` x
+        // `count`; `g`, `target.vertices()` x `count`).
         let (c, f, mut g) = unsafe {
             (
                 matrix("c", layout, target.len(), source.len(), c, ldc)?,
@@ -90,7 +91,7 @@ pub unsafe extern "C" fn cata_transfer_map(
                 matrix_mut("g", layout, target.vertices(), count, g, ldg)?,
             )
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         g.copy_from(&unsafe {
             with_basis_options(params, |options| {
                 reported(options.progress, || {
@@ -134,7 +135,8 @@ pub unsafe extern "C" fn cata_transfer_details(
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face), clause
+        // `handles` (`smooth_source`, `smooth_target`, `source`, `target`).
         let (meshes, smooth, source, target) = unsafe {
             (
                 (
@@ -150,14 +152,15 @@ pub unsafe extern "C" fn cata_transfer_details(
                 known("target", target)?.basis(),
             )
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`c`, `target.len()` x `source.len()`; `positions`, `3 *
+        // target_n_vertices` elements).
         let (c, positions) = unsafe {
             (
                 matrix("c", layout, target.len(), source.len(), c, ldc)?,
                 slice_mut("positions", positions, 3 * target_n_vertices)?,
             )
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         let found = unsafe {
             with_basis_options(params, |options| {
                 reported(options.progress, || {

@@ -47,12 +47,12 @@ pub unsafe extern "C" fn cata_unions_new(
     unions: *mut *mut cata_unions,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`unions`, one value).
         let place = unsafe { output("unions", unions) }?;
         let model = if weights.is_null() {
             SpectralUnion::pretrained()?
         } else {
-            // SAFETY: the caller's promise.
+            // SAFETY: clause `texts` (`weights`).
             let path = unsafe { path("weights", weights) }?;
             SpectralUnion::read(&path)?
         };
@@ -67,7 +67,7 @@ pub unsafe extern "C" fn cata_unions_new(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_unions_free(unions: *mut cata_unions) {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `handles` (`unions`).
     unsafe { free(unions) };
 }
 
@@ -95,7 +95,8 @@ pub unsafe extern "C" fn cata_unions_predict(
 ) -> cata_status {
     boundary(|| {
         check_size::<f64>("spectra", parts, K)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`spectra`, `K * parts` elements; `spectrum`, `K` elements;
+        // `ood_score`, one value), clause `handles` (`unions`).
         let (unions, spectra, spectrum, ood_score) = unsafe {
             (
                 known("unions", unions)?,
@@ -139,7 +140,7 @@ pub unsafe extern "C" fn cata_unions_params_init(
     params: *mut cata_unions_params,
     struct_size: usize,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `structs` (`params`).
     unsafe { init(params, struct_size) }
 }
 
@@ -167,7 +168,8 @@ pub unsafe extern "C" fn cata_unions_locate(
 ) -> cata_status {
     boundary(|| {
         check_size::<f64>("spectra", parts, K)?;
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`spectra`, `K * parts` elements; the mesh, 3 numbers a vertex
+        // and 3 indices a face; `indicator`, `n_vertices` elements), clause `handles` (`unions`).
         let (unions, spectra, template, indicator) = unsafe {
             (
                 known("unions", unions)?,
@@ -183,7 +185,7 @@ pub unsafe extern "C" fn cata_unions_locate(
             let on = localizer.on_mesh_watched(&template, par(params.threads), progress)?;
             Ok(on.indicator(&found)?)
         };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `structs` (`params`).
         indicator.copy_from_slice(&unsafe { with_params(params, work) }?);
         Ok(())
     })
@@ -204,7 +206,8 @@ pub unsafe extern "C" fn cata_unions_interpolate(
     spectrum: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`first`, `K` elements; `second`, `K` elements; `spectrum`, `K`
+        // elements).
         let (first, second, spectrum) = unsafe {
             let (first, second) = (copied("first", first, K)?, copied("second", second, K)?);
             (first, second, slice_mut("spectrum", spectrum, K)?)

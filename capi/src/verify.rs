@@ -37,7 +37,7 @@ pub unsafe extern "C" fn cata_verify_f64(
     residual: *mut f64,
     tolerance: *mut f64,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `passed on` (`check`).
     unsafe {
         check(layout, uplo, m, n, alpha, a, lda, c, ldc, rounds, seed, passed, residual, tolerance)
     }
@@ -64,7 +64,7 @@ pub unsafe extern "C" fn cata_verify_f32(
     residual: *mut f64,
     tolerance: *mut f64,
 ) -> cata_status {
-    // SAFETY: the promises are the same.
+    // SAFETY: clause `passed on` (`check`).
     unsafe {
         check(layout, uplo, m, n, alpha, a, lda, c, ldc, rounds, seed, passed, residual, tolerance)
     }
@@ -95,10 +95,11 @@ unsafe fn check<T: Real>(
         if !(1..=1000).contains(&rounds) {
             return Err(Failure::argument("rounds", "1 to 1000", rounds));
         }
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`a`, m x n; `c`, n x n).
         let (a, c) =
             unsafe { (matrix("a", layout, m, n, a, lda)?, matrix("c", layout, n, n, c, ldc)?) };
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (`passed`, one value; `residual`, one value; `tolerance`, one
+        // value).
         let (passed, residual, tolerance) = unsafe {
             (
                 output("passed", passed)?,

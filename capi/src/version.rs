@@ -37,7 +37,7 @@ pub unsafe extern "C" fn cata_version(
         let version = base::version();
         let parts = [("major", major, version.major), ("minor", minor, version.minor)];
         for (what, pointer, part) in parts.into_iter().chain([("patch", patch, version.patch)]) {
-            // SAFETY: the caller's promise.
+            // SAFETY: clause `passed on` (`optional_output`).
             put(unsafe { optional_output(what, pointer) }?, part as i32);
         }
         Ok(())

@@ -19,28 +19,28 @@ enum class sums : std::int32_t {
 
 /// What an accumulator adds, and how: the fields of cata_accumulator_params.
 struct accumulator_options {
-    /// 0: as many as the process may use (catamaran.h, Threads).
+    /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
     /// What is added up.
     catamaran::sums sums = sums::floating;
-    /// About the mean of the rows; else about 0.
+    /// Whether products are about the mean of the rows; else about 0.
     bool centered = false;
-    /// Unless floating: no entry of a column is less.
+    /// Lower bound of the entries of each column; not read for floating sums.
     std::vector<double> lower;
-    /// Unless floating: no entry of a column is more.
+    /// Upper bound of the entries of each column; not read for floating sums.
     std::vector<double> upper;
-    /// Unless floating: rows, at most.
+    /// Most rows; not read for floating sums.
     std::uint64_t rows = 0;
-    /// Unless floating: weights, at most; 0: rows have no weights.
+    /// Largest weight; 0: rows have no weights. Not read for floating sums.
     double largest_weight = 0.0;
-    /// As options::progress; of each call that adds rows or removes them.
+    /// Progress callback, as options::progress; of each call that adds rows or removes them.
     std::function<bool(double)> progress;
 };
 
 /// X^T W X of rows X that come in blocks: cata_accumulator. One owner.
 class accumulator {
 public:
-    /// Of no rows of n columns.
+    /// Creates an accumulator of n columns, without rows.
     explicit accumulator(std::size_t n, const accumulator_options& how = {})
         : watcher_(new watcher_of(how.progress)), columns_(n) {
         const bool bounded = how.sums != sums::floating;
@@ -84,7 +84,7 @@ public:
         detail::check(cata_accumulator_merge(handle_.get(), other.handle_.get()));
     }
 
-    /// To a file, from which load goes on.
+    /// Writes the sums to a file, from which load continues.
     void save(const std::string& path) const {
         detail::check(cata_accumulator_write(handle_.get(), path.c_str()));
     }

@@ -1,4 +1,4 @@
-// A^T A and the like.
+// A^T A, A A^T, A^T B, their complex forms, checks and sparse products.
 
 #ifndef CATAMARAN_ATA_HPP
 #define CATAMARAN_ATA_HPP
@@ -12,13 +12,14 @@ namespace catamaran {
 
 /// How a product is computed: the fields of cata_ata_params.
 struct options {
-    /// 0: as many as the process may use (catamaran.h, Threads).
+    /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
     /// Which recursion to run.
     catamaran::scheme scheme = scheme::automatic;
     /// 0: the default; 1: classical products only; infinity: no bound; CATA_ERROR_LEAST: the least.
     double error_factor = 0.0;
-    /// The same bytes on every machine: scheme::exact everywhere, and no other may be asked for.
+    /// Whether results have the same bytes on every machine, by scheme::exact; no other is
+    /// allowed.
     bool reproducible = false;
     /// Thread i stays on the i-th core of the affinity mask of the process.
     bool pin = false;
@@ -26,7 +27,7 @@ struct options {
     std::size_t leaf = 0;
     /// 0: chosen by the library.
     std::size_t tasks = 0;
-    /// Null: the built-in one. Must outlive the call.
+    /// Back end of the small products, which must outlive the call; null: the built-in one.
     const catamaran::backend* backend = nullptr;
     /// Told the fraction done; returns whether to go on. It is called from any thread that works
     /// for the call, one call at a time, each after the one before it has returned. It may be slow,
@@ -189,11 +190,11 @@ enum class centering : std::int32_t {
 /// Which rows a product is of: those of A, with weights, less their mean or a given row.
 template <class T>
 struct row_options {
-    /// One for each row of A; none: all 1.
+    /// Weights, one for each row of A; empty: all 1.
     std::vector<T> weights;
-    /// What is subtracted.
+    /// What is subtracted from each row.
     catamaran::centering centering = centering::none;
-    /// With centering::given: one for each column of A.
+    /// Row to subtract, with centering::given: one value for each column of A.
     std::vector<T> center;
 };
 
@@ -301,9 +302,9 @@ void ahb(detail::identity_t<std::complex<T>> alpha, matrix_view<std::complex<T>>
 struct verification {
     /// Whether C passed.
     bool passed;
-    /// The largest that was found.
+    /// Largest error that was found.
     double residual;
-    /// What it may be.
+    /// Largest error that passes.
     double tolerance;
 };
 
@@ -338,7 +339,7 @@ struct sparse_view {
     std::size_t rows = 0;
     /// rows + 1 positions.
     const std::size_t* row_starts = nullptr;
-    /// Of each entry, ascending within a row.
+    /// Column of each entry, ascending within a row.
     const std::size_t* columns = nullptr;
     /// The entries, row by row.
     const double* entries = nullptr;

@@ -11,7 +11,8 @@ namespace catamaran {
 /// library's do, and copies of the others.
 class borrowed_mesh {
 public:
-    /// Of 3 count coordinates at `own`, or, where that is null, of `copied`; and of faces likewise.
+    /// Creates a mesh of 3 count coordinates at `own`, or, where that is null, of `copied`; and of
+    /// faces in the same way.
     borrowed_mesh(std::size_t count, const double* own, point_list copied,
                   std::size_t count_of_faces, const std::uint32_t* own_faces,
                   triangle_list copied_faces)
@@ -23,7 +24,7 @@ public:
 
     /// Vectors that are moved keep their elements where they are, and views of them hold.
     borrowed_mesh(borrowed_mesh&&) = default;
-    /// As the constructor.
+    /// Moves a mesh, as the constructor does.
     borrowed_mesh& operator=(borrowed_mesh&&) = default;
 
     /// The mesh, valid as long as this, and as what it is borrowed from.

@@ -14,7 +14,7 @@ namespace catamaran {
 
 /// What is read of a matrix, and which pivots are allowed: the fields of cata_cholesky_params.
 struct cholesky_options {
-    /// 0: as many as the process may use (catamaran.h, Threads).
+    /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
     /// The triangle that is read; both: they must agree.
     uplo triangle = uplo::both;
@@ -25,7 +25,7 @@ struct cholesky_options {
     double tolerance = 0.0;
     /// The rows in the order of elimination, each once; none: approximate minimum degree.
     std::vector<std::size_t> order;
-    /// As options::progress, of all calls of the factorization.
+    /// Progress callback, as options::progress, of all calls of the factorization.
     std::function<bool(double)> progress;
 };
 

@@ -1,4 +1,4 @@
-// Errors, views of what somebody else owns, progress.
+// Errors, views of matrices and meshes, progress.
 
 #ifndef CATAMARAN_CORE_HPP
 #define CATAMARAN_CORE_HPP
@@ -22,7 +22,7 @@ namespace catamaran {
 /// A call failed: what() is the library's message.
 class error : public std::runtime_error {
 public:
-    /// With the status and the message of a call.
+    /// Creates an error with the status and the message of a call.
     error(cata_status status, const std::string& message)
         : std::runtime_error(message), status_(status) {}
 
@@ -52,10 +52,10 @@ enum class scheme : std::int32_t {
     floating = CATA_SCHEME_FLOAT,
 };
 
-/// A matrix that somebody else owns.
+/// A view of a matrix, which must outlive it.
 template <class T>
 struct matrix_view {
-    /// Its first entry.
+    /// Pointer to the first entry.
     T* data = nullptr;
     /// Number of rows.
     std::size_t rows = 0;
@@ -63,10 +63,10 @@ struct matrix_view {
     std::size_t cols = 0;
     /// Elements from one row (row-major) or column (column-major) to the next.
     std::size_t leading = 1;
-    /// How it lies in memory.
+    /// Order of the entries in memory.
     catamaran::layout order = layout::row_major;
 
-    /// A view that may be written is one that may be read.
+    /// Converts a view that can be written to one that can be read.
     operator matrix_view<const T>() const noexcept { return {data, rows, cols, leading, order}; }
 
     /// Entry (i, j), unchecked.
@@ -94,9 +94,9 @@ using triangle_list = std::vector<std::array<std::uint32_t, 3>>;
 /// Edges: two vertices each.
 using edge_list = std::vector<std::array<std::uint32_t, 2>>;
 
-/// A triangle mesh that somebody else owns.
+/// A view of a triangle mesh, which must outlive it.
 struct mesh_view {
-    /// Of arrays of corners, which must outlive the view.
+    /// Creates a view of arrays, which must outlive it.
     mesh_view(const point_list& vertices_of, const triangle_list& faces_of) noexcept
         : n_vertices(vertices_of.size()),
           vertices(vertices_of.empty() ? nullptr : vertices_of.front().data()),

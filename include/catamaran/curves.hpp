@@ -20,13 +20,12 @@ enum class curve_outcome : std::int32_t {
 
 /// How curves are found: the fields of cata_curve_params.
 struct curve_options {
-    /// With faithful: among how many of the nearest samples the next one is chosen; 0: 5.
+    /// Number of nearest samples among which the next one is chosen, with faithful; 0: 5.
     std::size_t candidates = 0;
-    /// With faithful: the number of the sample that the curve starts at.
+    /// Number of the sample at which the curve starts, with faithful.
     std::size_t start = 0;
-    /// Algorithm 6.1 of the thesis, from sample to sample; else the order first, then paths that do
-    /// not
-    /// meet.
+    /// Whether to use algorithm 6.1 of the thesis, from sample to sample; else the order comes
+    /// first, then paths that do not meet.
     bool faithful = false;
     /// Open curves; else closed ones.
     bool open = false;
@@ -36,7 +35,7 @@ struct curve_options {
     bool vertices_alone = false;
     /// Whether curves are shortened to geodesics between their samples.
     bool smooth = false;
-    /// As options::progress.
+    /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
 };
 
@@ -47,9 +46,9 @@ struct curve {
     /// Its vertices, the first one not repeated; those from the number of vertices of the mesh on
     /// were added.
     std::vector<std::uint32_t> path;
-    /// Where it goes: those of path, unless it is smooth.
+    /// Points of the curve: those of path, unless the curve is smooth.
     point_list points;
-    /// In the unit of the mesh.
+    /// Length of the curve, in the unit of the mesh.
     double length = 0.0;
 };
 
@@ -57,9 +56,9 @@ struct curve {
 struct found_curves {
     /// How the search ended.
     curve_outcome outcome = curve_outcome::closed;
-    /// Or what there is of them.
+    /// Curves that were found; some may be missing if the search failed.
     std::vector<curve> curves;
-    /// Numbers of samples that no curve is through.
+    /// Numbers of the samples that no curve passes.
     std::vector<std::uint32_t> left_out;
 };
 
@@ -102,7 +101,7 @@ private:
 /// A mesh, prepared for the search for curves: cata_curve_solver. One owner, one thread at a time.
 class curve_solver {
 public:
-    /// A copy of the mesh is kept.
+    /// Prepares a mesh, of which a copy is kept.
     explicit curve_solver(const mesh_view& mesh) {
         cata_curve_solver* made = nullptr;
         detail::check(cata_curve_solver_new(mesh.n_vertices, mesh.vertices, mesh.n_faces, mesh.faces,
@@ -110,7 +109,8 @@ public:
         handle_.reset(made);
     }
 
-    /// With samples that need not be vertices: samples() are the vertices that stand for the sites.
+    /// Prepares a mesh for samples that need not be vertices; samples() returns the vertices that
+    /// stand for the sites.
     curve_solver(const mesh_view& mesh, const std::vector<curve_site>& sites)
         : samples_(sites.size()) {
         std::vector<std::uint32_t> faces;

@@ -11,7 +11,7 @@ namespace catamaran {
 
 /// How a mesh is decimated: the fields of cata_decimation_params.
 struct decimation_options {
-    /// 0: as many as the process may use (catamaran.h, Threads).
+    /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
     /// The thesis literally, for comparison.
     bool thesis = false;
@@ -25,15 +25,14 @@ struct decimation_options {
     bool cut_narrow_handles = false;
     /// Whether edges of the input stay whole.
     bool keep_edges = false;
-    /// As options::progress.
+    /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
 };
 
 /// Where vertices of a decimated mesh lie on the input, and those of the input in their cells.
 struct decimation_places {
     /// For each vertex of the input the nearest one of the result along edges; UINT32_MAX where no
-    /// face has
-    /// it.
+    /// face has it.
     std::vector<std::uint32_t> cells;
     /// How far that is.
     std::vector<float> distances;
@@ -49,7 +48,7 @@ struct sampling {
     std::vector<std::uint32_t> samples;
     /// For each vertex the number of the sample nearest to it; UINT32_MAX where no face has it.
     std::vector<std::uint32_t> nearest;
-    /// How far it is.
+    /// Distance from that sample, in the unit of the mesh.
     std::vector<float> distances;
 };
 
@@ -94,9 +93,9 @@ public:
             cata_decimation_get(made, detail::first_of(vertices_), detail::first_of(faces_)));
     }
 
-    /// Of the result.
+    /// Vertices of the result.
     const point_list& vertices() const noexcept { return vertices_; }
-    /// Of the result.
+    /// Faces of the result.
     const triangle_list& faces() const noexcept { return faces_; }
     /// The result, valid as long as this.
     mesh_view mesh() const& { return {vertices_, faces_}; }
@@ -179,7 +178,7 @@ private:
 /// The n farthest points of a mesh: cata_decimation_farthest_points.
 inline sampling farthest_points(const mesh_view& mesh, std::size_t n,
                                 const decimation_options& how = {}) {
-    // More samples than vertices there never are, and the memory for them may not be.
+    // Checked before memory is allocated: n may exceed any memory.
     detail::require(n <= mesh.n_vertices, CATA_ERR_ARGUMENT, "n: more samples than vertices");
     cata_decimation_params params = detail::params_of(how);
     detail::watcher watcher(how.progress);

@@ -11,9 +11,9 @@ namespace catamaran {
 
 /// How descriptors are computed: the fields of cata_descriptor_params.
 struct descriptor_options {
-    /// 0: as many as the process may use (catamaran.h, Threads).
+    /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
-    /// As options::progress.
+    /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
 };
 
@@ -103,7 +103,7 @@ inline std::vector<double> heat_kernel(const eigenpairs& pairs, std::uint32_t so
 struct wave_scales {
     /// Logarithms of eigenvalues, ascending.
     std::vector<double> energies;
-    /// Of the weights around an energy.
+    /// Width of the weights around an energy, in logarithms of eigenvalues.
     double sigma = 0.0;
 };
 
@@ -209,13 +209,13 @@ inline std::vector<double> dirichlet_energies(const sparse_view& w, matrix_view<
 
 /// How a template is deformed: the fields of cata_shape_params.
 struct shape_options {
-    /// 0: as many as the process may use (catamaran.h, Threads).
+    /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
     /// Steps, at most; 0: 60.
     std::size_t steps = 0;
     /// Mean relative difference of eigenvalues at which it ends; 0: 0.001.
     double tolerance = 0.0;
-    /// As options::progress.
+    /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
 };
 
@@ -225,7 +225,7 @@ struct shape_from_spectrum_result {
     point_list vertices;
     /// Its first eigenvalues.
     std::vector<double> eigenvalues;
-    /// Their mean relative difference from those that were given.
+    /// Mean relative difference of the eigenvalues from those that were given.
     double error = 0.0;
     /// How many steps were taken.
     std::size_t steps = 0;

@@ -24,9 +24,9 @@ struct distance_options {
     double time = 0.0;
     /// Along edges: vertices farther than this are not reached; 0: all are.
     double cutoff = 0.0;
-    /// Of the heat method.
+    /// Triangulation on which heat flows, of the heat method.
     heat_flow flow = heat_flow::tufted;
-    /// As options::progress.
+    /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
 };
 
@@ -88,7 +88,7 @@ private:
 
 /// Distances along edges.
 struct edge_distances {
-    /// Of each vertex from the nearest source; infinite where no path leads.
+    /// Distance of each vertex from the nearest source; infinite where no path leads.
     std::vector<double> distances;
     /// The nearest source of each vertex; CATA_NO_VERTEX where no path leads.
     std::vector<std::uint32_t> nearest;
@@ -125,12 +125,12 @@ inline std::vector<double> exact_distances(const mesh_view& mesh,
 
 /// A path from one vertex to another.
 struct mesh_path {
-    /// Of the path along edges, both ends included, or those that an exact path was asked to lead
-    /// through; none: there is no path.
+    /// Vertices of the path along edges, both ends included, or those that an exact path was asked
+    /// to lead through; empty: there is no path.
     std::vector<std::uint32_t> vertices;
-    /// Where it goes.
+    /// Points of the path, both ends included.
     point_list points;
-    /// In the unit of the mesh; infinite without a path.
+    /// Length of the path, in the unit of the mesh; infinite without a path.
     double length = 0.0;
 };
 

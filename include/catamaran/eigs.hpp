@@ -35,11 +35,11 @@ enum class boundary : std::int32_t {
 /// How eigenpairs are computed, and of which Laplacian where it is that of a mesh: the fields of
 /// cata_eigs_params.
 struct eigs_options {
-    /// 0: as many as the process may use (catamaran.h, Threads).
+    /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
     /// Restarts, at most; 0: 60.
     std::size_t max_restarts = 0;
-    /// Of the starting vectors.
+    /// Seed of the starting vectors.
     std::uint64_t seed = 0;
     /// Residual that every pair must reach, 1e-14 to 1e-2; 0: 1e-9.
     double tolerance = 0.0;
@@ -47,13 +47,13 @@ struct eigs_options {
     std::optional<double> shift;
     /// Whether eigenvalues are counted, by further factorizations, and none is left out.
     bool verify_count = false;
-    /// Of meshes: which triangles the functions are linear on.
+    /// Laplacian of meshes: the triangles on which functions are linear.
     laplacian_kind laplacian = laplacian_kind::cotangent;
-    /// Of meshes: how the area of a triangle goes to its vertices.
+    /// Masses of meshes: how the area of a triangle is divided among its vertices.
     mass_kind mass = mass_kind::barycentric;
-    /// Of meshes: the condition that functions meet where they end.
+    /// Condition of functions at the boundary of meshes.
     catamaran::boundary boundary = boundary::neumann;
-    /// As options::progress.
+    /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
 };
 
@@ -107,7 +107,7 @@ private:
 };
 
 inline eigenpairs room_for(std::size_t rows, std::size_t k) {
-    // More pairs than rows there never are, and the memory for them may not be.
+    // Checked before memory is allocated: k may exceed any memory.
     require(k <= rows, CATA_ERR_ARGUMENT, "k: more eigenpairs than rows");
     require(k == 0 || rows <= std::numeric_limits<std::size_t>::max() / sizeof(double) / k,
             CATA_ERR_SHAPE, "k: the eigenvectors exceed the address space");
@@ -191,7 +191,7 @@ inline std::vector<double> part_eigenvalues(const mesh_view& mesh,
                                             const eigs_options& how = {}) {
     detail::require(mask.size() == mesh.n_vertices, CATA_ERR_SHAPE,
                     "mask: must have a value for each vertex");
-    // More eigenvalues than vertices there never are, and the memory for them may not be.
+    // Checked before memory is allocated: k may exceed any memory.
     detail::require(k <= mesh.n_vertices, CATA_ERR_ARGUMENT, "k: more eigenvalues than vertices");
     std::vector<double> values(k);
     detail::eigs_call call(how);
@@ -294,13 +294,13 @@ enum class ortho_method : std::int32_t {
 
 /// How columns are made orthonormal: the fields of cata_ortho_params.
 struct ortho_options {
-    /// 0: as many as the process may use (catamaran.h, Threads).
+    /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
     /// 0: 1e-9, or 1e-2 with ortho_method::single_pass.
     double threshold = 0.0;
     /// How often columns are projected, and which ones are kept; standard: reorthogonalized.
     ortho_method method = ortho_method::standard;
-    /// As options::progress.
+    /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
 };
 
@@ -374,7 +374,7 @@ inline std::vector<double> cholesky_qr(matrix_view<double> a,
                                        const std::vector<double>& masses = {},
                                        const ortho_options& how = {}) {
     const double* diagonal = detail::masses_of(masses, a.rows);
-    // More columns than rows depend on each other, and the memory for R may not be.
+    // More columns than rows are dependent. Checked before R, cols x cols, is allocated.
     detail::require(a.cols <= a.rows, CATA_ERR_ARGUMENT, "A: more columns than rows");
     std::vector<double> r(a.cols * a.cols);
     detail::ortho_call call(how);

@@ -12,15 +12,15 @@ namespace catamaran {
 
 /// How a Gram matrix in extended precision is computed: the fields of cata_gram_params.
 struct gram_options {
-    /// 0: as many as the process may use (catamaran.h, Threads).
+    /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
-    /// As options::progress.
+    /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
 };
 
 /// How a least-squares problem is solved: the fields of cata_lstsq_params.
 struct lstsq_options {
-    /// 0: as many as the process may use (catamaran.h, Threads).
+    /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
     /// Multiple of |X|^2 that is added.
     double ridge = 0.0;
@@ -28,17 +28,17 @@ struct lstsq_options {
     bool intercept = false;
     /// Whether columns that depend on others are an error.
     bool refuse_dependent = false;
-    /// As options::progress.
+    /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
 };
 
 /// How principal components are computed: the fields of cata_pca_params.
 struct pca_options {
-    /// 0: as many as the process may use (catamaran.h, Threads).
+    /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
     /// Whether columns are divided by their standard deviations.
     bool standardize = false;
-    /// As options::progress.
+    /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
 };
 
@@ -110,7 +110,7 @@ struct singular_value_decomposition {
 struct extended_gram {
     /// n x n, in the layout of A without gaps.
     std::vector<double> high;
-    /// The same: what rounding took from high.
+    /// n x n, in the layout of A without gaps: what rounding took from high.
     std::vector<double> low;
     /// Whether no entry of A was rounded.
     bool exact = false;

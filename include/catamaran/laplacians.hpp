@@ -17,7 +17,7 @@ struct sparse_matrix {
     std::size_t cols = 0;
     /// rows + 1 positions.
     std::vector<std::size_t> row_starts;
-    /// Of each entry, ascending within a row.
+    /// Column of each entry, ascending within a row.
     std::vector<std::size_t> columns;
     /// The entries, row by row.
     std::vector<double> entries;

@@ -12,13 +12,14 @@ namespace catamaran {
 
 /// How bases of products are made and other work is done: the fields of cata_basis_params.
 struct basis_options {
-    /// 0: as many as the process may use (catamaran.h, Threads).
+    /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
-    /// Of products: most factors; 0: 2.
+    /// Most factors of a product; 0: 2.
     std::size_t order = 0;
-    /// Of products; standard: single_pass, which is stabler under transfer.
+    /// Method that makes products orthonormal; standard: single_pass, which is more stable under
+    /// transfer.
     ortho_method method = ortho_method::standard;
-    /// As options::progress.
+    /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
 };
 
@@ -51,7 +52,7 @@ private:
 /// layout, without gaps.
 class basis {
 public:
-    /// Of eigenpairs of a mesh, with their masses.
+    /// Creates a basis of eigenpairs of a mesh, with their masses.
     explicit basis(const eigenpairs& pairs, const basis_options& how = {}) {
         detail::require(pairs.masses.size() == pairs.rows, CATA_ERR_ARGUMENT,
                         "pairs: must have masses");
@@ -65,7 +66,7 @@ public:
         handle_.reset(made);
     }
 
-    /// Of products of these eigenfunctions: cata_basis_products.
+    /// Returns a basis of products of these eigenfunctions: cata_basis_products.
     basis products(const basis_options& how = {}) const {
         detail::basis_call call(how);
         cata_basis* made = nullptr;
@@ -89,7 +90,8 @@ public:
         return q;
     }
 
-    /// Of products: R, column-major without gaps, and the products that functions come from.
+    /// Returns, for a basis of products, R, column-major without gaps, and the products from which
+    /// functions come.
     catamaran::factors factors() const {
         const auto [n, r, all] = sizes();
         (void)n;
@@ -99,7 +101,7 @@ public:
         return found;
     }
 
-    /// size() x columns of f.
+    /// Returns the coefficients of f, size() x columns of f.
     std::vector<double> analysis(matrix_view<const double> f) const {
         const std::size_t r = take(f);
         std::vector<double> c(r * f.cols);
@@ -225,7 +227,7 @@ inline void by_columns(const std::vector<double>& whole, layout order, functiona
 /// them.
 class map_fit {
 public:
-    /// That knows nothing yet; with the threads of `source`.
+    /// Creates a fit without data, with the threads of `source`.
     map_fit(const basis& source, const basis& target)
         : rows_(target.size()),
           cols_(source.size()),
@@ -244,7 +246,7 @@ public:
         return *this;
     }
 
-    /// Adds that the map commutes with multiplications by such functions.
+    /// Adds the condition that the map commutes with multiplications by these functions.
     map_fit& operators(matrix_view<const double> f, matrix_view<const double> g,
                        double weight = 0.1) {
         pair(f, g);
@@ -437,11 +439,11 @@ inline std::vector<double> transfer(const basis& source, const basis& target,
 
 /// A shape whose details are carried, or that gets them.
 struct detailed_shape {
-    /// Whose vertices the functions have values at.
+    /// Mesh at whose vertices the functions have values.
     mesh_view mesh;
     /// A basis of few functions, whose span has the smooth part.
     const basis& smooth;
-    /// A basis that the map is of.
+    /// Basis of the map.
     const basis& functions;
 };
 
@@ -473,9 +475,9 @@ inline std::vector<double> shape_dna(const mesh_view& mesh, std::size_t k, bool 
 
 /// The signatures nearest to a query.
 struct matches {
-    /// From 0, the nearest first.
+    /// Indices of the signatures, from 0, the nearest first.
     std::vector<std::size_t> indices;
-    /// Euclidean, as many as indices.
+    /// Euclidean distances, as many as indices.
     std::vector<double> distances;
 };
 

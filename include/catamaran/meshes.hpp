@@ -38,14 +38,14 @@ enum class mesh_names : std::int32_t {
 
 /// How mesh files are read and written: the fields of cata_mesh_file_params.
 struct mesh_file_options {
-    /// Of reading: bytes of memory that the file may take; 0: a hundred times its size, or 1 GiB if
-    /// that is more.
+    /// Bytes of memory that reading may take; 0: a hundred times the size of the file, or 1 GiB
+    /// if that is more.
     std::uint64_t max_memory = 0;
-    /// Of writing.
+    /// Format of the file that is written.
     mesh_format format = mesh_format::by_name;
-    /// Of writing: whether a file that is there stays, which is an error; else it is replaced.
+    /// Whether writing to an existing file is an error; else the file is replaced.
     bool keep = false;
-    /// As options::progress.
+    /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
 };
 
@@ -92,7 +92,7 @@ private:
 /// A mesh with its attributes, as in a file: cata_mesh_file.
 class mesh_file {
 public:
-    /// Without attributes; the mesh is copied.
+    /// Creates a mesh without attributes from a copy.
     explicit mesh_file(const mesh_view& mesh) {
         cata_mesh_file* made = nullptr;
         detail::check(cata_mesh_file_new(mesh.n_vertices, mesh.vertices, mesh.n_faces, mesh.faces,
@@ -296,7 +296,7 @@ enum class weld_kind : std::int32_t {
 
 /// The steps of a repair, by default none: the fields of cata_repair_params.
 struct repair_options {
-    /// Of weld_kind::within: in the unit of the mesh.
+    /// Distance of weld_kind::within, in the unit of the mesh.
     double tolerance = 0.0;
     /// Components to keep, those with the most faces; 0: all.
     std::size_t keep_largest = 0;
@@ -318,7 +318,7 @@ struct repair_options {
     bool cut = false;
     /// Whether faces are flipped to agree with their neighbours, and to face outside.
     bool orient = false;
-    /// As options::progress.
+    /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
 };
 
@@ -326,17 +326,17 @@ struct repair_options {
 struct repair_step {
     /// One of CATA_REPAIR_*.
     std::int32_t kind = 0;
-    /// That joined others, were left out, or were split.
+    /// Number of vertices that joined others, were left out, or were split.
     std::size_t vertices = 0;
-    /// That were flipped or cut, or stay apart as more than two coincide.
+    /// Number of edges that were flipped or cut, or stay apart because more than two coincide.
     std::size_t edges = 0;
-    /// That were left out, are new, or were flipped.
+    /// Number of faces that were left out, are new, or were flipped.
     std::size_t faces = 0;
     /// Components that were left out, or holes that were filled.
     std::size_t parts = 0;
-    /// That could not be repaired, or lost their colour.
+    /// Number of items that could not be repaired, or lost their colour.
     std::size_t left = 0;
-    /// All this as a line.
+    /// A line of text that describes the step.
     std::string text;
 };
 
@@ -347,7 +347,7 @@ struct repaired {
     /// For each vertex of the input the lowest of the result that comes from it; UINT32_MAX where
     /// it was left out.
     std::vector<std::uint32_t> vertices;
-    /// In the order in which they were taken.
+    /// Steps, in the order in which they were taken.
     std::vector<repair_step> steps;
     /// Whether any changed the mesh.
     bool changed = false;

@@ -26,7 +26,7 @@ public:
         handle_.reset(made);
     }
 
-    /// Number of the caller, from 0. Local.
+    /// Returns the rank of the caller, from 0. Local.
     std::size_t rank() const {
         std::size_t number = 0;
         detail::check(cata_world_rank(handle_.get(), &number));
@@ -61,8 +61,8 @@ private:
 
 namespace detail {
 
-/// The preparations of one rank for a collective call. Where they fail, the call is made all the
-/// same, with a leading dimension that it refuses, or the other ranks would wait for ever.
+/// The preparations of one rank for a collective call. If they fail, the rank still makes the call,
+/// with a leading dimension that it refuses, because the other ranks wait for it.
 class preparation {
 public:
     /// Requires that arguments fit, and runs `work`, which allocates memory.
@@ -106,7 +106,7 @@ inline bool fit(const std::vector<double>& masses, std::size_t rows) noexcept {
 /// A symmetric matrix of doubles that is spread over the ranks of a world.
 class symmetric {
 public:
-    /// Takes over a handle from C, which is given back with this.
+    /// Takes a handle of C, which is freed with this object.
     explicit symmetric(cata_symmetric* handle) : handle_(handle) {}
 
     /// Number of rows and of columns. Local.

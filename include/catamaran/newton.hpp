@@ -18,9 +18,9 @@ enum class newton_gradient : std::int32_t {
 
 /// What a Newton fractal is of: the fields of cata_newton_params; 0 is the default of each.
 struct newton_options {
-    /// 0: as many as the process may use (catamaran.h, Threads).
+    /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
-    /// As options::progress, of all calls of the fractal.
+    /// Progress callback, as options::progress, of all calls of the fractal.
     std::function<bool(double)> progress;
     /// Real and imaginary part of each, at most 64, within 1e4 of 0; none: those of z^power - 1.
     std::vector<std::array<double, 2>> roots;
@@ -28,11 +28,11 @@ struct newton_options {
     std::optional<std::string> device;
     /// What points are multiplied by after offset and w are added; 0: 1.
     double scale = 0.0;
-    /// Of the gradient, -10 to 20; 0: 3.5.
+    /// Theta of the gradient, -10 to 20; 0: 3.5.
     double theta = 0.0;
     /// Fourth coordinate of all points.
     double w = 0.0;
-    /// Added to x, y and z of each point.
+    /// Offset that is added to x, y and z of each point.
     std::array<double, 3> offset{};
     /// Without roots: the degree of z^power - 1, 2 to 64; 0: 3. With roots: 0.
     std::uint32_t power = 0;
@@ -79,7 +79,8 @@ public:
     /// Changes the fourth coordinate of all points.
     void set_w(double w) { detail::check(cata_newton_set_w(handle_.get(), w)); }
 
-    /// At points in space, such as the vertices of a mesh: three coordinates each.
+    /// Returns the values at points in space, such as the vertices of a mesh: three coordinates
+    /// each.
     values points(const std::vector<float>& positions) const {
         detail::require(positions.size() % 3 == 0, CATA_ERR_SHAPE, "positions: must be in threes");
         values found = room_for(positions.size() / 3);

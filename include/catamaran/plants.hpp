@@ -12,21 +12,21 @@ namespace catamaran {
 
 /// The constants of a plant: the fields of cata_plant_params; 0 is the default of each.
 struct plant_options {
-    /// 0: as many as the process may use (catamaran.h, Threads).
+    /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
-    /// As options::progress, of all calls of the plant.
+    /// Progress callback, as options::progress, of all calls of the plant.
     std::function<bool(double)> progress;
     /// Water that leaves give off, in kg / (s m^2); 0: none.
     double loss = 0.0;
     /// Water that the root takes from the soil, in kg / s; 0: none.
     double intake = 0.0;
-    /// Of a segment, as a part of that of a pipe as wide; 0: 1e-9.
+    /// Conductance of a segment, as a part of that of a pipe of its width; 0: 1e-9.
     double conductance = 0.0;
     /// Pressure in full cells, in Pa; 0: 1e6.
     double modulus = 0.0;
-    /// Of the sap, in Pa s; 0: 1e-3.
+    /// Viscosity of the sap, in Pa s; 0: 1e-3.
     double viscosity = 0.0;
-    /// Water in full tissue, in kg / m^3; 0: 1000.
+    /// Density of water in full tissue, in kg / m^3; 0: 1000.
     double density = 0.0;
     /// Modulus of elasticity of full cells, in Pa; 0: 5e7.
     double elasticity_full = 0.0;
@@ -40,21 +40,22 @@ struct plant_options {
 
 /// The constants of rods: the fields of cata_plant_rods_params; 0 is the default of each.
 struct rods_options {
-    /// As options::progress, of all calls of the rods.
+    /// Progress callback, as options::progress, of all calls of the rods.
     std::function<bool(double)> progress;
     /// Acceleration, in m / s^2; all 0: 0, 0, -9.81.
     std::array<double, 3> gravity{};
     /// Ratio of lateral contraction to stretch, above -1 and at most 0.5; 0: 0.3.
     double poisson = 0.0;
-    /// Of tissue without its water, in kg / m^3; 0: 100.
+    /// Density of tissue without its water, in kg / m^3; 0: 100.
     double dry_density = 0.0;
-    /// Of relax: torque out of balance / the largest of a weight, 1e-12 to 1e-2; 0: 1e-8.
+    /// Of relax: torque out of balance, divided by the largest torque of a weight, 1e-12 to 1e-2;
+    /// 0: 1e-8.
     double tolerance = 0.0;
-    /// Of relax, at most; 0: 200.
+    /// Iterations of relax, at most; 0: 200.
     std::size_t iterations = 0;
     /// Seconds that a step takes; 0: 1 / 60.
     double step = 0.0;
-    /// Of each step; 0: 3.
+    /// Iterations of each step; 0: 3.
     std::size_t step_iterations = 0;
     /// Rate at which velocities wear off, in 1 / s; 0: 1.
     double damping = 0.0;
@@ -64,13 +65,14 @@ struct rods_options {
 struct plant_segments {
     /// x, y, z of the end of each, in m.
     point_list tails;
-    /// In m, positive.
+    /// Radius of each segment, in m, positive.
     std::vector<double> radii;
     /// The segment at whose end each begins; CATA_NO_PARENT for the root.
     std::vector<std::uint32_t> parents;
     /// CATA_PLANT_STEM or CATA_PLANT_LEAF, each also + CATA_PLANT_PINNED.
     std::vector<std::int32_t> kinds;
-    /// Where the root begins; none: it is as long as its first child, and goes straight on into it.
+    /// Point at which the root begins; none: the root is as long as its first child, and in its
+    /// direction.
     std::optional<std::array<double, 3>> base;
 };
 
@@ -84,9 +86,9 @@ struct plant_interval {
 
 /// Where segments are.
 struct plant_pose {
-    /// Where they begin, in m.
+    /// Point at which each segment begins, in m.
     point_list heads;
-    /// Where they end, in m.
+    /// Point at which each segment ends, in m.
     point_list tails;
     /// How they have turned since the plant was given: unit quaternions (w, x, y, z).
     std::vector<std::array<double, 4>> rotations;
@@ -102,7 +104,7 @@ struct plant_tubes {
 
 /// What became of a plant, time by time.
 struct wilting {
-    /// Of each node, in kg.
+    /// Water of each node, in kg.
     std::vector<std::vector<double>> water;
     /// Modulus of elasticity of each segment, in Pa.
     std::vector<std::vector<double>> moduli;
@@ -137,7 +139,7 @@ public:
         make(how, [&](auto params, auto out) { return cata_plant_read(path.c_str(), params, out); });
     }
 
-    /// Of at least one segment, all on one tree.
+    /// Creates a plant of at least one segment, all in one tree.
     explicit plant(const plant_segments& of, const plant_options& how = {}) : watcher_(how.progress) {
         const std::size_t n = of.tails.size();
         detail::require(of.radii.size() == n && of.parents.size() == n && of.kinds.size() == n,
@@ -172,7 +174,7 @@ public:
         return found;
     }
 
-    /// Of every node when its cells are full, in kg.
+    /// Returns the water of each node when its cells are full, in kg.
     std::vector<double> full_water() const {
         std::vector<double> water(size());
         detail::check(cata_plant_full_water(get(), size(), water.data()));
@@ -195,7 +197,7 @@ public:
         return rates;
     }
 
-    /// In kg, from `water` at time 0, at once, without time steps.
+    /// Returns the water of each node, in kg, `seconds` after `water`, without time steps.
     std::vector<double> water_after(const std::vector<double>& water, double seconds) const {
         std::vector<double> result(water.size());
         watcher_.finish(
@@ -282,7 +284,7 @@ private:
 /// The segments of a plant as rods, in a pose. One owner.
 class rods {
 public:
-    /// With full cells, in the pose in which the plant was given, which need not live on.
+    /// Creates rods with full cells, in the pose of the plant, which need not outlive them.
     explicit rods(const plant& of, const rods_options& how = {})
         : size_(of.size()), watcher_(how.progress) {
         cata_plant_rods_params params;
@@ -311,14 +313,14 @@ public:
             cata_plant_rods_set_state(handle_.get(), water.size(), moduli.data(), water.data()));
     }
 
-    /// At rest, with these rotations; none: as the plant was given.
+    /// Sets a pose at rest by rotations; empty: the pose of the plant.
     void set_pose(const std::vector<std::array<double, 4>>& rotations = {}) {
         detail::check(cata_plant_rods_set_pose(handle_.get(),
                                                rotations.empty() ? size_ : rotations.size(),
                                                detail::first_of(rotations)));
     }
 
-    /// Where the segments are now.
+    /// Returns where the segments are.
     plant_pose pose() const {
         plant_pose found;
         found.heads.resize(size_);
@@ -330,7 +332,8 @@ public:
         return found;
     }
 
-    /// Into a pose of equilibrium, at rest; what is left of torques, as rods_options::tolerance.
+    /// Moves to a pose of equilibrium, at rest. Returns the torque out of balance, in units of
+    /// rods_options::tolerance.
     double relax() {
         double residual = 0.0;
         watcher_.finish(cata_plant_rods_relax(handle_.get(), nullptr, &residual));

@@ -14,13 +14,13 @@ enum class region_side : std::int32_t { small = CATA_SIDE_SMALL, large = CATA_SI
 
 /// A mesh, and where it comes from on another one.
 struct mesh_part {
-    /// Of the part.
+    /// Vertices of the part.
     point_list vertices;
-    /// Of the part.
+    /// Faces of the part.
     triangle_list faces;
-    /// For each vertex its number in the other mesh.
+    /// Number of each vertex in the other mesh.
     std::vector<std::uint32_t> of_vertices;
-    /// For each face its number in the other mesh.
+    /// Number of each face in the other mesh.
     std::vector<std::uint32_t> of_faces;
 
     /// The part, valid as long as this.
@@ -79,7 +79,7 @@ public:
         return region(std::vector<std::uint8_t>(inside_.size(), 1)) - *this;
     }
 
-    /// Of the faces inside.
+    /// Returns the area of the faces inside, in squared units of the mesh.
     double area(const mesh_view& mesh) const {
         double area = 0.0;
         detail::check(cata_region_area(mesh.n_vertices, mesh.vertices, mesh.n_faces, mesh.faces,
@@ -168,9 +168,9 @@ public:
         }
     }
 
-    /// Of the mesh.
+    /// Vertices of the mesh.
     const point_list& vertices() const noexcept { return vertices_; }
-    /// Of the mesh.
+    /// Faces of the mesh.
     const triangle_list& faces() const noexcept { return faces_; }
     /// The mesh, valid as long as this.
     mesh_view mesh() const& { return {vertices_, faces_}; }
@@ -212,7 +212,7 @@ private:
 /// Layers of curves on one mesh: cata_drawing. One owner, one thread at a time.
 class drawing {
 public:
-    /// Without curves; a copy of the mesh is kept.
+    /// Creates a drawing without curves; a copy of the mesh is kept.
     explicit drawing(const mesh_view& mesh) : n_faces_(mesh.n_faces) {
         cata_drawing* made = nullptr;
         detail::check(cata_drawing_new(mesh.n_vertices, mesh.vertices, mesh.n_faces, mesh.faces,

@@ -30,31 +30,31 @@ enum class slime_lengths : std::int32_t {
 
 /// What slime moulds are like: the fields of cata_slime_params; 0 is the default of each.
 struct slime_options {
-    /// 0: as many as the process may use (catamaran.h, Threads).
+    /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
-    /// As options::progress, of all calls of the simulation.
+    /// Progress callback, as options::progress, of all calls of the simulation.
     std::function<bool(double)> progress;
-    /// Their number, below 2^32; 0: 1,000,000.
+    /// Number of agents, below 2^32; 0: 1,000,000.
     std::size_t agents = 0;
-    /// Their number, 1 to 15; 0: 1.
+    /// Number of species, 1 to 15; 0: 1.
     std::size_t species = 0;
     /// Texels of a side of the texture, a multiple of 32, at most 16384; 0: 2048.
     std::size_t size = 0;
     /// An OpenCL device; none: the processor.
     std::optional<std::string> device;
-    /// Of all randomness.
+    /// Seed of all random numbers.
     std::uint32_t seed = 0;
-    /// Projected ones in a step; 0: steps are exact.
+    /// Number of projected substeps of a step; 0: steps are exact.
     std::uint32_t substeps = 0;
     /// Seconds that a step takes; 0: 1 / 30.
     double time_step = 0.0;
-    /// Hundredths (of the square root of the area) a second, such as 1 to 2; 0: 1.5.
+    /// Speed, in hundredths of the square root of the area a second, such as 1 to 2; 0: 1.5.
     double movement_speed = 0.0;
-    /// Degrees a second; 0: 1800.
+    /// Most degrees that an agent turns in a second; 0: 1800.
     double turn_speed = 0.0;
-    /// From an agent to its sensors, in hundredths, such as 0.4 to 2; 0: 1.
+    /// Distance of the sensors from an agent, in hundredths, such as 0.4 to 2; 0: 1.
     double vision_distance = 0.0;
-    /// Between sensors, in degrees, such as 10 to 50; 0: 30.
+    /// Angle between sensors, in degrees, such as 10 to 50; 0: 30.
     double vision_angle = 0.0;
     /// Pheromone that evaporates in a second, where an agent leaves 1, such as 0.2 to 1; 0: 0.4.
     double evaporation_rate = 0.0;

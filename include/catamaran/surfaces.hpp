@@ -9,9 +9,9 @@ namespace catamaran {
 
 /// How meshes are compared, or made of a lattice: the fields of cata_mesh_params.
 struct mesh_options {
-    /// 0: as many as the process may use (catamaran.h, Threads).
+    /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
-    /// As options::progress.
+    /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
 };
 
@@ -116,16 +116,16 @@ inline std::vector<std::vector<std::uint32_t>> boundary_loops(const mesh_view& m
 
 /// Measures of a mesh.
 struct mesh_measures {
-    /// Of all faces.
+    /// Area of all faces, in squared units of the mesh.
     double area = 0.0;
-    /// Inside; negative where faces are seen clockwise from outside, NaN unless the mesh is closed
-    /// and oriented.
+    /// Volume inside of a closed and oriented mesh; negative where faces are seen clockwise from
+    /// outside, NaN for other meshes.
     double volume = 0.0;
-    /// Of each face.
+    /// Area of each face.
     std::vector<double> face_areas;
-    /// Of each face: 1 for equilateral triangles, 0 for flat ones.
+    /// Quality of each face, from 0 (flat) to 1 (equilateral).
     std::vector<double> qualities;
-    /// Of length 1; 0 for faces without area.
+    /// Normal of each face, of length 1; 0 for faces without area.
     point_list face_normals;
     /// The directions of the means of the normals of the faces at each vertex, by area: of length
     /// 1; 0 where the mean is 0.
@@ -148,17 +148,17 @@ inline mesh_measures measures_of(const mesh_view& mesh) {
 
 /// How uniform a mesh is.
 struct mesh_quality {
-    /// Of the faces.
+    /// Mean area of the faces.
     double mean_area = 0.0;
-    /// The standard deviation of the areas over their mean.
+    /// Standard deviation of the areas, divided by their mean.
     double area_variation = 0.0;
-    /// Of mesh_measures::qualities.
+    /// Mean of mesh_measures::qualities.
     double mean_quality = 0.0;
-    /// Their standard deviation.
+    /// Standard deviation of the qualities.
     double quality_deviation = 0.0;
-    /// The least of them.
+    /// Least of the qualities.
     double least_quality = 0.0;
-    /// Edges at a vertex with a face, in the mean.
+    /// Mean number of edges at the vertices that have a face.
     double mean_valence = 0.0;
     /// The share of these vertices that have 6 edges, or 4 at the boundary.
     double regular_vertices = 0.0;
@@ -179,11 +179,11 @@ inline mesh_quality quality_of(const mesh_view& mesh) {
 
 /// Distances from one surface to another one.
 struct mesh_distance {
-    /// Of the vertices, and of points spread by area.
+    /// Largest distance of the vertices and of points spread by area.
     double largest = 0.0;
-    /// Of these points.
+    /// Mean distance of the points spread by area.
     double mean = 0.0;
-    /// The mean angle between the normals there, in degrees.
+    /// Mean angle between the normals at these points, in degrees.
     double angle = 0.0;
 };
 
@@ -219,7 +219,7 @@ struct lattice {
     std::array<std::size_t, 3> counts{};
     /// The first point.
     std::array<double, 3> origin{};
-    /// From a point to the next one.
+    /// Distance from one point to the next along x, y and z.
     std::array<double, 3> step{{1.0, 1.0, 1.0}};
     /// Whether surfaces are cut at the outermost points; else they are closed half a step outside.
     bool open = false;

@@ -21,9 +21,9 @@ enum class missing_cells : std::int32_t {
 
 /// How a table is read: the fields of cata_table_params. What is 0 or empty, the file decides.
 struct table_options {
-    /// 0: as many as the process may use (catamaran.h, Threads).
+    /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
-    /// As options::progress.
+    /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
     /// Bytes of memory that the table may take.
     std::uint64_t max_memory = 0;

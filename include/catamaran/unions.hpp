@@ -11,9 +11,9 @@ namespace catamaran {
 
 /// How a union is located: the fields of cata_unions_params.
 struct unions_options {
-    /// 0: as many as the process may use (catamaran.h, Threads).
+    /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
-    /// As options::progress.
+    /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
 };
 
@@ -24,21 +24,21 @@ public:
     /// The first Dirichlet eigenvalues of a part, ascending and positive, in whatever unit.
     using eigenvalues = std::array<double, CATA_UNION_EIGENVALUES>;
 
-    /// With the weights that come with the library.
+    /// Creates the network with the weights of the library.
     unions() : handle_(made(nullptr)) {}
 
-    /// With weights of `catamaran unions train`.
+    /// Creates the network with weights in a file of `catamaran unions train`.
     explicit unions(const std::string& weights) : handle_(made(weights.c_str())) {}
 
     /// What predict finds.
     struct prediction {
-        /// Of the union: ascending, none above that of a part.
+        /// Eigenvalues of the union: ascending, none above that of a part.
         eigenvalues values;
         /// How unlike the parts are to those of the training; above 1 the prediction is a guess.
         double ood_score;
     };
 
-    /// Of the union of these parts, at least one.
+    /// Predicts the eigenvalues of the union of these parts, at least one.
     prediction predict(const std::vector<eigenvalues>& parts) const {
         prediction found{};
         detail::check(cata_unions_predict(handle_.get(), parts.size(), detail::first_of(parts),

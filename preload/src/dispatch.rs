@@ -29,7 +29,7 @@ pub unsafe fn call<T: Element>(
         report::at_exit();
     }
     let start = settings.verbose.then(Instant::now);
-    // SAFETY: the caller's promise.
+    // SAFETY: `attempt` has the contract of this function, that the caller of BLAS owns the memory.
     let why = match unsafe { attempt(&request, settings) } {
         Ok(()) => {
             gain();
@@ -54,7 +54,7 @@ pub unsafe fn call<T: Element>(
         }
         return;
     }
-    // SAFETY: the caller's promise.
+    // SAFETY: `alone` has the contract of this function, that the caller of BLAS owns the memory.
     unsafe { alone(entry, &request, settings) };
     if let Some(start) = start {
         entry.count_ours(start);
@@ -90,7 +90,8 @@ unsafe fn attempt<T: Element>(
     }
     let _nearest = FloatEnv::nearest();
     let plan = policy::decide(request, settings)?;
-    // SAFETY: the caller's promise; requests that overlap get no plan.
+    // SAFETY: the caller of BLAS owns the memory, by the contract, and `policy::decide` gives
+    // requests whose C overlaps an operand no plan.
     unsafe { product::compute(request, &plan, settings.threads) }.map_err(|_| Why::Memory)
 }
 
@@ -115,7 +116,8 @@ unsafe fn alone<T: Element>(
         return;
     }
     let done = policy::plan(request, settings).and_then(|plan| {
-        // SAFETY: the caller's promise.
+        // SAFETY: the caller of BLAS owns the memory, by the contract; `compute` gets only requests
+        // whose C overlaps no operand.
         unsafe {
             if request.overlaps() {
                 product::compute_apart(request, &plan)

@@ -179,7 +179,8 @@ pub fn called() -> Vec<&'static Entry> {
     let mut found = Vec::new();
     let mut at = LATEST.load(Ordering::Acquire);
     while !at.is_null() && !ptr::eq(at, &END) {
-        // SAFETY: the list holds statics only.
+        // SAFETY: entries are statics, which only link themselves into the list, and END has been
+        // excluded.
         let entry: &'static Entry = unsafe { &*at };
         found.push(entry);
         at = entry.earlier.load(Ordering::Acquire);

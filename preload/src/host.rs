@@ -50,7 +50,8 @@ impl Next {
 /// Returns the file that contains `code`, as the loader knows it.
 pub fn file_of(code: Code) -> String {
     match object_of(code) {
-        // SAFETY: the loader's own string, of an object that stays.
+        // SAFETY: the string is the loader's own, not NULL, and lives as long as the object, which
+        // contains symbols that are in use.
         Some(info) if !info.dli_fname.is_null() => unsafe {
             CStr::from_ptr(info.dli_fname).to_string_lossy().into_owned()
         },
@@ -77,7 +78,7 @@ fn is_ours(code: Code) -> bool {
 }
 
 fn find(name: &'static CStr) -> Option<Code> {
-    // SAFETY: a string that ends.
+    // SAFETY: `name` is a `CStr`, which ends with a NUL; any name may be asked for.
     let next = NonNull::new(unsafe { libc::dlsym(libc::RTLD_NEXT, name.as_ptr()) });
     next.filter(|&code| !is_ours(code))
         .or_else(|| object_names().iter().find_map(|object| in_object(object, name)))
@@ -85,7 +86,8 @@ fn find(name: &'static CStr) -> Option<Code> {
 
 /// Returns the symbol in a loaded object, or in what that object was linked with.
 fn in_object(object: &CStr, name: &CStr) -> Option<Code> {
-    // SAFETY: strings that end; with this flag nothing is loaded, so no code runs.
+    // SAFETY: both are a `CStr`, which ends with a NUL; with this flag nothing is loaded, so no
+    // code runs.
     unsafe {
         let handle = libc::dlopen(object.as_ptr(), libc::RTLD_NOLOAD | libc::RTLD_LAZY);
         if handle.is_null() {

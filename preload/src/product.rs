@@ -25,7 +25,8 @@ pub unsafe fn compute<T: Element>(
     plan: &Planned,
     threads: usize,
 ) -> Result<()> {
-    // SAFETY: the caller's promise.
+    // SAFETY: the caller of BLAS owns the memory, and C overlaps no operand, by the contract, so
+    // the view of C is the only one of its memory.
     let ((left, right), c) = unsafe { (request.operands(), request.result()) };
     let threads = if request.work() < WORK_OF_ONE_THREAD { 1 } else { threads };
     let Request { alpha, beta, triangle, .. } = *request;
@@ -64,12 +65,14 @@ pub unsafe fn compute_apart<T: Element>(request: &Request<T>, plan: &Planned) ->
     let [rows, cols, _] = request.sides();
     let mut product = Mat::from_fn(rows, cols, |_, _| T::ZERO);
     {
-        // SAFETY: the caller's promise; C is not read while these views live.
+        // SAFETY: the caller of BLAS owns the memory, by the contract; C, which may overlap it, has
+        // no view while these live.
         let (left, right) = unsafe { request.operands() };
         let Request { alpha, triangle, .. } = *request;
         run(plan, alpha, left, right, T::ZERO, product.as_mut(), triangle, Par::Seq)?;
     }
-    // SAFETY: the caller's promise; the views of the operands are gone.
+    // SAFETY: the caller of BLAS owns the memory, by the contract; the views of the operands have
+    // ended with the block, so that this is the only one.
     let mut c = unsafe { request.result() };
     for j in 0..cols {
         let wanted = match request.triangle {

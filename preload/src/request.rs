@@ -89,7 +89,9 @@ impl<T> Side<T> {
     unsafe fn view<'a>(&self) -> MatRef<'a, T> {
         let Stored { pointer, rows, cols, leading } = self.stored;
         let pointer = if pointer.is_null() { NonNull::dangling().as_ptr() } else { pointer };
-        // SAFETY: the caller's promise; a leading dimension is at most isize::MAX.
+        // SAFETY: by the contract the operand is readable for `'a`; `arguments` has checked the
+        // sides and the leading dimension, which is at most isize::MAX, and a pointer that is NULL
+        // has no elements to read.
         let stored =
             unsafe { MatRef::from_raw_parts(pointer, rows, cols, 1, leading.cast_signed()) };
         if self.transposed { stored.transpose() } else { stored }
@@ -154,7 +156,7 @@ impl<T: Element> Request<T> {
     /// # Safety
     /// The caller of BLAS owns the memory that it named for the length of the call, `'a`.
     pub unsafe fn operands<'a>(&self) -> (MatRef<'a, T>, Option<MatRef<'a, T>>) {
-        // SAFETY: the caller's promise.
+        // SAFETY: the contract is that of `view`: the caller of BLAS owns the memory for `'a`.
         unsafe { (self.left.view(), self.right.map(|right| right.view())) }
     }
 
@@ -165,7 +167,9 @@ impl<T: Element> Request<T> {
     pub unsafe fn result<'a>(&self) -> MatMut<'a, T> {
         let [rows, cols, _] = self.sides();
         let c = if self.c.is_null() { NonNull::dangling().as_ptr() } else { self.c };
-        // SAFETY: the caller's promise; a leading dimension is at most isize::MAX.
+        // SAFETY: by the contract the caller of BLAS owns C for `'a`, and this is the only view;
+        // `arguments` has checked the sides and the leading dimension, and a pointer that is NULL
+        // has no elements.
         unsafe { MatMut::from_raw_parts_mut(c, rows, cols, 1, self.c_leading.cast_signed()) }
     }
 }

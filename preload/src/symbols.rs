@@ -57,7 +57,9 @@ macro_rules! export {
             // A function of its own, so that the one above is some comparisons and a jump.
             #[inline(never)]
             unsafe extern "C" fn look($($argument: $type),*) {
-                // SAFETY: as above.
+                // SAFETY: the arguments are those that the caller of BLAS passed to the symbol, of
+                // which the request says how many elements they point to; `next` is the same
+                // symbol, of this type.
                 unsafe {
                     dispatch::call::<$scalar>(&ENTRY, $request, &|next| {
                         transmute::<Code, Symbol>(next)($($argument),*)

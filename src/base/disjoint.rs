@@ -21,7 +21,8 @@ impl<T> Copy for SharedPtr<T> {}
 // SAFETY: only an address. Every access through it is unsafe and asks for disjointness; elements
 // move between threads, hence `T: Send`.
 unsafe impl<T: Send> Send for SharedPtr<T> {}
-// SAFETY: as above.
+// SAFETY: only an address, as for `Send`: every access through a shared one is unsafe and asks for
+// disjointness; elements move between threads, hence `T: Send`.
 unsafe impl<T: Send> Sync for SharedPtr<T> {}
 
 impl<T> SharedPtr<T> {
@@ -148,7 +149,8 @@ impl<'a, T> Disjoint<'a, T> {
     /// No thread writes it meanwhile.
     pub unsafe fn read(&self, i: usize) -> &T {
         assert!(i < self.rows, "element {i} of {}", self.rows);
-        // SAFETY: as in `get`.
+        // SAFETY: `i` is below `rows`, as asserted, so the entry is inside the borrowed matrix; no
+        // thread writes it meanwhile, by the contract.
         unsafe { &*self.start.at(i as isize * self.row_stride) }
     }
 }

@@ -113,7 +113,7 @@ mod control {
 
     pub fn read() -> Register {
         let register: Register;
-        // SAFETY: reads a register.
+        // SAFETY: every CPU of this architecture has the register, and no memory is accessed.
         unsafe {
             asm!("mrs {}, fpcr", out(reg) register, options(nomem, nostack, preserves_flags))
         };

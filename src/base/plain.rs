@@ -6,19 +6,19 @@
 /// Every bit pattern of the type is a value, and the type has no padding.
 pub unsafe trait Plain: Copy + Send + Sync {}
 
-// SAFETY: as the trait asks.
+// SAFETY: an integer, of which all bit patterns are values; no padding.
 unsafe impl Plain for u8 {}
-// SAFETY: as the trait asks.
+// SAFETY: an integer, of which all bit patterns are values; no padding.
 unsafe impl Plain for i8 {}
-// SAFETY: as the trait asks.
+// SAFETY: an integer, of which all bit patterns are values; no padding.
 unsafe impl Plain for i32 {}
-// SAFETY: as the trait asks.
+// SAFETY: an integer, of which all bit patterns are values; no padding.
 unsafe impl Plain for i64 {}
-// SAFETY: as the trait asks.
+// SAFETY: an integer, of which all bit patterns are values; no padding.
 unsafe impl Plain for i128 {}
-// SAFETY: as the trait asks.
+// SAFETY: a number of IEEE 754, of which all bit patterns are values, NaN among them; no padding.
 unsafe impl Plain for f32 {}
-// SAFETY: as the trait asks.
+// SAFETY: a number of IEEE 754, of which all bit patterns are values, NaN among them; no padding.
 unsafe impl Plain for f64 {}
-// SAFETY: as the trait asks: arrays have no padding of their own.
+// SAFETY: every bit pattern of the elements is a value, and arrays add no padding.
 unsafe impl<T: Plain, const N: usize> Plain for [T; N] {}

@@ -152,7 +152,9 @@ fn has_32_bit_integers(ddot: Dot) -> bool {
 /// # Safety
 /// `T` must be the pointer type of that symbol.
 unsafe fn symbol<T: Copy>(library: &Library, name: &str) -> Option<T> {
-    // SAFETY: passed on to the caller.
+    // SAFETY: `T` is the pointer type of the symbol, by the contract, which each caller takes from
+    // the library's documentation. The library is never unloaded (`load`), so that the copy of the
+    // pointer stays valid.
     unsafe { library.get::<T>(name) }.ok().map(|s| *s)
 }
 
@@ -327,7 +329,10 @@ impl Cblas {
         let (Some(la), Some(lc)) = (layout_of(a), layout_of(c.rb())) else {
             return fallback().syrk(alpha, a, beta, c);
         };
-        // SAFETY: as in `gemm_with`.
+        // SAFETY: the views are valid for their shapes; `layout_of` derived order and leading
+        // dimension from their strides and checked that every extent fits a C int; A has as many
+        // columns as C has rows and columns, as asserted; `c` is borrowed mutably, so it overlaps
+        // `a` nowhere.
         unsafe {
             function(
                 if lc.row_major { ROW_MAJOR } else { COL_MAJOR },
@@ -401,27 +406,27 @@ impl Backend for Cblas {
     }
 
     fn single_threaded(&self) -> ThreadGuard {
-        // SAFETY, for every call below: the signatures were established at load time, and the
-        // functions take any count that they returned themselves, and 1.
+        // Safety of every call of `threading` below: the signatures were established at load time,
+        // and the functions take any count that they returned themselves, and 1.
         ThreadGuard(match self.threading {
             Threading::MklLocal(set) => {
-                // SAFETY: above.
+                // SAFETY: as for every call of `threading`.
                 let before = unsafe { set(1) };
                 Some(Box::new(move || {
-                    // SAFETY: above.
+                    // SAFETY: as for every call of `threading`.
                     unsafe { set(before) };
                 }))
             }
             Threading::Openblas { get, set } => {
-                // SAFETY: above.
+                // SAFETY: as for every call of `threading`.
                 let get = move || i64::from(unsafe { get() });
-                // SAFETY: above; the counts are those of a C int.
+                // SAFETY: as for every call of `threading`; the counts are those of a C int.
                 Some(hold(&self.holders, get, move |n| unsafe { set(n as c_int) }))
             }
             Threading::Blis { get, set } => {
-                // SAFETY: above.
+                // SAFETY: as for every call of `threading`.
                 let get = move || unsafe { get() };
-                // SAFETY: above.
+                // SAFETY: as for every call of `threading`.
                 Some(hold(&self.holders, get, move |n| unsafe { set(n) }))
             }
             Threading::Unknown => None,
@@ -478,7 +483,8 @@ mod tests {
                 inc_y: $integer,
             ) -> f64 {
                 assert_eq!((inc_x, inc_y), (1, 1));
-                // SAFETY: the caller's arrays are that long.
+                // SAFETY: `has_32_bit_integers` passes two arrays of two numbers and n = 2, or a
+                // negative one, for which none is read.
                 (0..n.max(0) as usize).map(|i| unsafe { *x.add(i) * *y.add(i) }).sum()
             }
         };

@@ -180,8 +180,8 @@ impl Run<'_> {
                 .set_arg(&p.offset)
                 .set_arg(&p.nearest);
         }
-        // SAFETY: as above; the buffers outlive the work in the queue, because reading them waits
-        // for it.
+        // SAFETY: the arguments are those set above, and `items` groups of lanes lie within the
+        // buffers, which outlive the work in the queue, because reading them waits for it.
         unsafe { self.launcher.enqueue(call, items) }
     }
 

@@ -226,7 +226,8 @@ impl Launcher {
             }
             None => call.set_global_work_size(items),
         };
-        // SAFETY: as the caller says.
+        // SAFETY: the contract: the arguments are those that the kernel declares, and work-items
+        // from `items` on, up to a multiple of the group, do nothing in its code.
         let queued = unsafe { call.enqueue_nd_range(self.device.queue()) };
         queued.map(drop).map_err(|e| self.device.failed(self.what, e))
     }

@@ -237,7 +237,9 @@ impl SlimeOnDevice {
         let (across, along) = if self.lanes > 1 { (p.size, 1) } else { (1, p.size) };
         let lines = lines_of(p);
         let mut call = ExecuteKernel::new(&self.kernels.cover);
-        // SAFETY: as in `enqueue_step`; reading waits for the kernel.
+        // SAFETY: numbers and types are those that the kernel declares, and `lines` work-items stay
+        // within the buffers, which outlive the work in the queue, because reading the sums waits
+        // for it.
         unsafe {
             call.set_arg(&p.size).set_arg(&p.species).set_arg(&across).set_arg(&along);
             call.set_arg(&m.areas).set_arg(&m.texture).set_arg(&m.sums);

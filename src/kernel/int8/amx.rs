@@ -159,7 +159,9 @@ unsafe fn product(operands: &Operands<'_>, residues: &mut [PanelBlock<i8>]) {
     let mut before: Option<&mut PanelBlock<i8>> = None;
     for (i, (left, residues)) in operands.left_panels(residues.len()).zip(residues).enumerate() {
         let ahead = next.as_ptr().cast::<i8>().wrapping_add(i * right.len() * AHEAD);
-        // SAFETY: the caller's promise; both panels are of the same length, at most `DEPTH`.
+        // SAFETY: the contract: the CPU has AMX-INT8, and the caller of the method holds a session,
+        // which configures the tiles. `left_panels` yields panels as long as `right`, at most
+        // `DEPTH`, as `Operands` says.
         unsafe { multiply(left, right, ahead, &mut sums, before.take(), &reduction, continued) };
         before = Some(residues);
     }

@@ -121,7 +121,7 @@ enabled! {
         }
         let mut bits = [0; WIDTH];
         for (bits, largest) in bits.chunks_exact_mut(8).zip(largest) {
-            // SAFETY: 8 elements.
+            // SAFETY: the chunk has the 8 elements that are written; any alignment will do.
             unsafe { _mm512_storeu_si512(bits.as_mut_ptr().cast(), largest) };
         }
         let (exponents, powers) = norm_exponents(bits);
@@ -140,7 +140,7 @@ enabled! {
         }
         let mut squares = [0.0; WIDTH];
         for (squares, sums) in squares.chunks_exact_mut(8).zip(sums) {
-            // SAFETY: 8 elements.
+            // SAFETY: the chunk has the 8 elements that are written; any alignment will do.
             unsafe { _mm512_storeu_pd(squares.as_mut_ptr(), sums) };
         }
         TileNorms { exponents, squares }
@@ -437,7 +437,8 @@ enabled! {
                     |tile: &Residues| unsafe { _mm512_loadu_si512(tile.as_ptr().add(k).cast()) };
                 let right = [load(&right[0]), load(&right[1])];
                 for (r, held) in held.iter_mut().enumerate() {
-                    // SAFETY: a dword of the 16 from `k` on.
+                    // SAFETY: `k` is a multiple of 64 and `first + r` below WIDTH = 16, so that the
+                    // dword is inside the tile; it is read at any alignment.
                     let four = unsafe {
                         left.as_ptr().add(k + 4 * (first + r)).cast::<i32>().read_unaligned()
                     };
@@ -467,7 +468,7 @@ enabled! {
         for slice in right {
             for lines in slice[half].chunks_exact(4 * 64) {
                 for (sum, dwords) in sums.iter_mut().zip(lines.chunks_exact(64)) {
-                    // SAFETY: 64 bytes.
+                    // SAFETY: the chunk has the 64 bytes that are read; any alignment will do.
                     let dwords = unsafe { _mm512_loadu_si512(dwords.as_ptr().cast()) };
                     *sum = _mm512_dpbusd_epi32(*sum, weights, dwords);
                 }

@@ -50,14 +50,16 @@ impl Direct for f64 {
     #[inline(always)]
     #[allow(private_interfaces, private_bounds)]
     unsafe fn read<L: Lanes>(lanes: L, from: *const f64, range: Range<usize>) -> L::Floats {
-        // SAFETY: the caller's promise.
+        // SAFETY: the contract is that of `read_f64`: so many numbers as the range is long can be
+        // read.
         unsafe { lanes.read_f64(from, range) }
     }
 
     #[inline(always)]
     #[allow(private_interfaces, private_bounds)]
     unsafe fn write<L: Lanes>(lanes: L, x: L::Floats, to: *mut f64, range: Range<usize>) {
-        // SAFETY: the caller's promise.
+        // SAFETY: the contract is that of `write_f64`: there is room for so many numbers as the
+        // range is long.
         unsafe { lanes.write_f64(x, to, range) }
     }
 }
@@ -68,14 +70,16 @@ impl Direct for f32 {
     #[inline(always)]
     #[allow(private_interfaces, private_bounds)]
     unsafe fn read<L: Lanes>(lanes: L, from: *const f32, range: Range<usize>) -> L::Floats {
-        // SAFETY: the caller's promise.
+        // SAFETY: the contract is that of `read_f32`: so many numbers as the range is long can be
+        // read.
         unsafe { lanes.read_f32(from, range) }
     }
 
     #[inline(always)]
     #[allow(private_interfaces, private_bounds)]
     unsafe fn write<L: Lanes>(lanes: L, x: L::Floats, to: *mut f32, range: Range<usize>) {
-        // SAFETY: the caller's promise.
+        // SAFETY: the contract is that of `write_f32`: there is room for so many numbers as the
+        // range is long.
         unsafe { lanes.write_f32(x, to, range) }
     }
 }
@@ -151,7 +155,8 @@ pub(crate) fn products<L: Lanes, T: Direct, const COUNT: usize>(
             let both = lanes.add_integers(low, high);
             for j in 0..COUNT {
                 let Right { rows, both: sums, lane } = right[j];
-                // SAFETY: the assertions above.
+                // SAFETY: `i` is below the length of both, and `lane` below LANES, as asserted
+                // above.
                 let ([of_low, of_high], of_both) = unsafe {
                     let row = *rows.get_unchecked(i).get_unchecked(lane);
                     (row, *sums.get_unchecked(i).get_unchecked(lane))

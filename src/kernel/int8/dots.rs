@@ -27,14 +27,15 @@ struct Instruction;
 impl Dots for Instruction {
     #[inline(always)]
     unsafe fn add(sums: __m256i, left: __m256i, right: __m256i) -> __m256i {
-        // SAFETY: the caller's promise.
+        // SAFETY: the contract: the CPU has AVX-VNNI. No memory is accessed.
         unsafe { _mm256_dpbusd_avx_epi32(sums, left, right) }
     }
 }
 
 /// Returns the kernel for AVX2 with these dot products, or why this machine can't use it.
 pub(super) fn kernel() -> Result<&'static Avx2, &'static str> {
-    // SAFETY: returned below where the CPU has the instructions.
+    // SAFETY: `kernel` returns it only where AVX2, FMA and AVX-VNNI have been detected, which
+    // `product` enables.
     static KERNEL: Avx2 = unsafe { Avx2::with_dots(product) };
     IsaLevel::AvxVnni.permitted()?;
     Avx2::new()?;
@@ -49,7 +50,7 @@ pub(super) fn kernel() -> Result<&'static Avx2, &'static str> {
 /// The CPU has these instructions.
 #[target_feature(enable = "avx2,fma,avxvnni")]
 unsafe fn product(operands: &Operands<'_>, residues: &mut [PanelBlock<i8>]) {
-    // SAFETY: the caller's promise.
+    // SAFETY: the attribute enables AVX2, FMA and AVX-VNNI, the instructions of `Instruction`.
     unsafe { product_by::<Instruction>(operands, residues) }
 }
 
@@ -59,7 +60,8 @@ unsafe fn product(operands: &Operands<'_>, residues: &mut [PanelBlock<i8>]) {
 /// The CPU has AVX2, FMA and the instructions of `D`, as for every function below.
 #[inline(always)]
 unsafe fn product_by<D: Dots>(operands: &Operands<'_>, residues: &mut [PanelBlock<i8>]) {
-    // SAFETY: the caller's promise.
+    // SAFETY: the CPU has the instructions by the contract, which that of each function called
+    // repeats.
     unsafe {
         let excess = &excess::<D>(operands.right);
         product_by_pairs(
@@ -76,7 +78,8 @@ unsafe fn product_by<D: Dots>(operands: &Operands<'_>, residues: &mut [PanelBloc
 /// Returns 128 times the sum of each of the 16 columns of both tiles of the right side.
 #[inline(always)]
 unsafe fn excess<D: Dots>(right: &[Slice]) -> [[__m256i; 2]; 2] {
-    // SAFETY: the caller's promise; chunks are 32 bytes.
+    // SAFETY: the CPU has the instructions, as `product_by` says; chunks are 32 bytes, a register,
+    // and loads take any alignment.
     unsafe {
         // The instruction reads this weight as unsigned: +128.
         let weights = _mm256_set1_epi8(i8::MIN);
@@ -105,7 +108,8 @@ unsafe fn multiply<D: Dots>(
     excess: &[[__m256i; 2]; 2],
     sums: &mut PanelBlock<i32>,
 ) {
-    // SAFETY: the caller's promise; a row of sums is two registers.
+    // SAFETY: the CPU has the instructions, as `product_by` says; eight sums are a register, and
+    // loads and stores take any alignment. The rows passed to `add_rows` end at WIDTH, as asserted.
     unsafe {
         for (quarter, sums) in sums.iter_mut().enumerate() {
             for row in sums {
@@ -139,7 +143,9 @@ unsafe fn add_rows<D: Dots, const HELD: usize>(
     first: usize,
     sums: &mut Quarter<i32>,
 ) {
-    // SAFETY: the caller's promise; a row of sums is two registers, a row of a tile 64 bytes.
+    // SAFETY: the CPU has the instructions, as `product_by` says; `first + HELD` is at most WIDTH,
+    // and a row of 16 sums is two registers. Offset k of a tile is followed by 64 bytes, which hold
+    // 16 dwords and two registers.
     unsafe {
         let mut held = [[_mm256_setzero_si256(); 2]; HELD];
         for (r, held) in held.iter_mut().enumerate() {
@@ -171,7 +177,8 @@ unsafe fn add_rows<D: Dots, const HELD: usize>(
 /// Reduces sums to residues between -128 and 127, as [`portable`](super::portable) does.
 #[inline(always)]
 unsafe fn reduce<D: Dots>(sums: &PanelBlock<i32>, modulus: &Modulus, out: &mut PanelBlock<i8>) {
-    // SAFETY: the caller's promise; chunks are 32 sums and 32 bytes.
+    // SAFETY: the CPU has the instructions, as `product_by` says; chunks are 32 sums, four
+    // registers, and 32 bytes, one.
     unsafe {
         let (bias, start) = (_mm256_set1_epi32(i32::MIN), _mm256_set1_epi32(modulus.start_32));
         let [w0, w1, w2, w3, ..] = modulus.weights.map(|weight| weight as u8);
@@ -204,7 +211,7 @@ struct Emulation;
 impl Dots for Emulation {
     #[inline(always)]
     unsafe fn add(sums: __m256i, left: __m256i, right: __m256i) -> __m256i {
-        // SAFETY: the caller's promise.
+        // SAFETY: the contract: the CPU has AVX2. No memory is accessed.
         unsafe {
             let even_left = _mm256_and_si256(left, _mm256_set1_epi16(0xff));
             let even_right = _mm256_srai_epi16::<8>(_mm256_slli_epi16::<8>(right));
@@ -220,7 +227,8 @@ impl Dots for Emulation {
 /// Returns [`kernel`] with the instruction emulated, or why this machine can't use it.
 #[cfg(test)]
 pub(super) fn emulated_kernel() -> Result<&'static Avx2, &'static str> {
-    // SAFETY: returned below where the CPU has AVX2 and FMA.
+    // SAFETY: `emulated_kernel` returns it only where `Avx2::new` has found AVX2 and FMA, which
+    // `emulated_product` enables.
     static KERNEL: Avx2 = unsafe { Avx2::with_dots(emulated_product) };
     Avx2::new().map(|_| &KERNEL)
 }
@@ -232,7 +240,7 @@ pub(super) fn emulated_kernel() -> Result<&'static Avx2, &'static str> {
 #[cfg(test)]
 #[target_feature(enable = "avx2,fma")]
 unsafe fn emulated_product(operands: &Operands<'_>, residues: &mut [PanelBlock<i8>]) {
-    // SAFETY: the caller's promise.
+    // SAFETY: the attribute enables AVX2 and FMA, all that `Emulation` needs.
     unsafe { product_by::<Emulation>(operands, residues) }
 }
 

@@ -111,7 +111,8 @@ impl Lanes for PortableLanes {
 
     #[inline(always)]
     unsafe fn read_f64(self, from: *const f64, range: Range<usize>) -> [f64; LANES] {
-        // SAFETY: the caller's promise.
+        // SAFETY: the contract: `from` points to `range.len()` aligned numbers, which nobody writes
+        // meanwhile.
         let from = unsafe { std::slice::from_raw_parts(from, range.len()) };
         let mut found = [0.0; LANES];
         for (found, &x) in found[range].iter_mut().zip(from) {
@@ -122,7 +123,8 @@ impl Lanes for PortableLanes {
 
     #[inline(always)]
     unsafe fn read_f32(self, from: *const f32, range: Range<usize>) -> [f64; LANES] {
-        // SAFETY: the caller's promise.
+        // SAFETY: the contract: `from` points to `range.len()` aligned numbers, which nobody writes
+        // meanwhile.
         let from = unsafe { std::slice::from_raw_parts(from, range.len()) };
         let mut found = [0.0; LANES];
         for (found, &x) in found[range].iter_mut().zip(from) {
@@ -133,7 +135,8 @@ impl Lanes for PortableLanes {
 
     #[inline(always)]
     unsafe fn write_f64(self, x: [f64; LANES], to: *mut f64, range: Range<usize>) {
-        // SAFETY: the caller's promise.
+        // SAFETY: the contract: `to` points to `range.len()` aligned numbers, which nobody else
+        // uses meanwhile.
         let to = unsafe { std::slice::from_raw_parts_mut(to, range.len()) };
         for (to, &x) in to.iter_mut().zip(&x[range]) {
             *to = x;
@@ -142,7 +145,8 @@ impl Lanes for PortableLanes {
 
     #[inline(always)]
     unsafe fn write_f32(self, x: [f64; LANES], to: *mut f32, range: Range<usize>) {
-        // SAFETY: the caller's promise.
+        // SAFETY: the contract: `to` points to `range.len()` aligned numbers, which nobody else
+        // uses meanwhile.
         let to = unsafe { std::slice::from_raw_parts_mut(to, range.len()) };
         for (to, &x) in to.iter_mut().zip(&x[range]) {
             *to = x as f32;

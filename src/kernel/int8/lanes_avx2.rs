@@ -86,7 +86,9 @@ impl Lanes for Avx2Lanes {
     #[inline(always)]
     unsafe fn read_f64(self, from: *const f64, range: Range<usize>) -> Floats {
         let from = from.wrapping_sub(range.start);
-        // SAFETY: the CPU has the instruction; only the lanes of the mask are read.
+        // SAFETY: `self` exists, so the CPU has the instructions. Only the lanes of `range` are
+        // read, the numbers at the caller's pointer, which exist by the contract; any alignment
+        // will do.
         unsafe {
             let low = _mm256_maskload_pd(from, mask_of_four(&range, 0));
             [low, _mm256_maskload_pd(from.wrapping_add(4), mask_of_four(&range, 4))]
@@ -96,7 +98,9 @@ impl Lanes for Avx2Lanes {
     #[inline(always)]
     unsafe fn read_f32(self, from: *const f32, range: Range<usize>) -> Floats {
         let from = from.wrapping_sub(range.start);
-        // SAFETY: as above.
+        // SAFETY: `self` exists, so the CPU has the instructions. Only the lanes of `range` are
+        // read, the numbers at the caller's pointer, which exist by the contract; any alignment
+        // will do.
         unsafe {
             let low = _mm_maskload_ps(from, narrow(mask_of_four(&range, 0)));
             let high = _mm_maskload_ps(from.wrapping_add(4), narrow(mask_of_four(&range, 4)));
@@ -107,7 +111,9 @@ impl Lanes for Avx2Lanes {
     #[inline(always)]
     unsafe fn write_f64(self, x: Floats, to: *mut f64, range: Range<usize>) {
         let to = to.wrapping_sub(range.start);
-        // SAFETY: the CPU has the instructions; only the lanes of the masks are written.
+        // SAFETY: `self` exists, so the CPU has the instructions. Only the lanes of `range` are
+        // written, all eight without a mask, for which there is room by the contract; any alignment
+        // will do.
         unsafe {
             if range.len() == LANES {
                 // Much faster than with masks.
@@ -123,7 +129,8 @@ impl Lanes for Avx2Lanes {
     #[inline(always)]
     unsafe fn write_f32(self, x: Floats, to: *mut f32, range: Range<usize>) {
         let to = to.wrapping_sub(range.start);
-        // SAFETY: as above.
+        // SAFETY: `self` exists, so the CPU has the instructions. Only the lanes of `range` are
+        // written, for which there is room by the contract; any alignment will do.
         unsafe {
             let [low, high] = halves!(_mm256_cvtpd_ps, x);
             _mm_maskstore_ps(to, narrow(mask_of_four(&range, 0)), low);

@@ -43,13 +43,15 @@ impl Lanes for Avx512Lanes {
 
     #[inline(always)]
     unsafe fn read_f64(self, from: *const f64, range: Range<usize>) -> __m512d {
-        // SAFETY: the CPU has the instruction; only the lanes of the mask are read.
+        // SAFETY: `self` exists, so the CPU has the instructions. Only the lanes of `range` are
+        // read, which exist by the contract; any alignment will do.
         unsafe { _mm512_maskz_loadu_pd(mask(&range), from.wrapping_sub(range.start)) }
     }
 
     #[inline(always)]
     unsafe fn read_f32(self, from: *const f32, range: Range<usize>) -> __m512d {
-        // SAFETY: as above.
+        // SAFETY: `self` exists, so the CPU has the instructions. Only the lanes of `range` are
+        // read, which exist by the contract; any alignment will do.
         unsafe {
             let from = from.wrapping_sub(range.start);
             _mm512_cvtps_pd(_mm256_maskz_loadu_ps(mask(&range), from))
@@ -58,14 +60,16 @@ impl Lanes for Avx512Lanes {
 
     #[inline(always)]
     unsafe fn write_f64(self, x: __m512d, to: *mut f64, range: Range<usize>) {
-        // SAFETY: the CPU has the instruction; only the lanes of the mask are written.
+        // SAFETY: `self` exists, so the CPU has the instructions. Only the lanes of `range` are
+        // written, for which there is room by the contract; any alignment will do.
         unsafe { _mm512_mask_storeu_pd(to.wrapping_sub(range.start), mask(&range), x) }
     }
 
     #[inline(always)]
     unsafe fn write_f32(self, x: __m512d, to: *mut f32, range: Range<usize>) {
         let to = to.wrapping_sub(range.start);
-        // SAFETY: as above.
+        // SAFETY: `self` exists, so the CPU has the instructions. Only the lanes of `range` are
+        // written, for which there is room by the contract; any alignment will do.
         unsafe { _mm256_mask_storeu_ps(to, mask(&range), _mm512_cvtpd_ps(x)) }
     }
 

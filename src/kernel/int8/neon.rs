@@ -98,28 +98,28 @@ impl Kernel for Neon {
 #[inline]
 #[target_feature(enable = "neon")]
 fn load_f64(from: &[f64; 2]) -> float64x2_t {
-    // SAFETY: two numbers.
+    // SAFETY: the array has the two numbers that are read.
     unsafe { vld1q_f64(from.as_ptr()) }
 }
 
 #[inline]
 #[target_feature(enable = "neon")]
 fn load_f32(from: &[f32; 4]) -> float32x4_t {
-    // SAFETY: four numbers.
+    // SAFETY: the array has the four numbers that are read.
     unsafe { vld1q_f32(from.as_ptr()) }
 }
 
 #[inline]
 #[target_feature(enable = "neon")]
 fn load_bytes(from: &[i8; 16]) -> int8x16_t {
-    // SAFETY: 16 bytes.
+    // SAFETY: the array has the 16 bytes that are read.
     unsafe { vld1q_s8(from.as_ptr()) }
 }
 
 #[inline]
 #[target_feature(enable = "neon")]
 fn store_bytes(bytes: int8x16_t, to: &mut [i8; 16]) {
-    // SAFETY: 16 bytes.
+    // SAFETY: the array has the 16 bytes that are written.
     unsafe { vst1q_s8(to.as_mut_ptr(), bytes) }
 }
 
@@ -202,7 +202,8 @@ fn signed_digits(dwords: int32x4_t, highest: bool) -> int8x16_t {
 #[inline]
 #[target_feature(enable = "dotprod")]
 fn dot<const LANE: usize>(mut sums: int32x4_t, a: int8x16_t, b: int8x16_t) -> int32x4_t {
-    // SAFETY: callers have the instruction, and only registers are touched.
+    // SAFETY: the attribute enables the instruction, so only code that has found it gets here, and
+    // only registers are touched.
     unsafe {
         asm!("sdot {sums:v}.4s, {a:v}.16b, {b:v}.4b[{lane}]", sums = inout(vreg) sums,
             a = in(vreg) a, b = in(vreg) b, lane = const LANE,
@@ -215,7 +216,8 @@ fn dot<const LANE: usize>(mut sums: int32x4_t, a: int8x16_t, b: int8x16_t) -> in
 #[inline]
 #[target_feature(enable = "neon,i8mm")]
 fn matrix_product(mut sums: int32x4_t, a: int8x16_t, b: int8x16_t) -> int32x4_t {
-    // SAFETY: callers have the instruction, and only registers are touched.
+    // SAFETY: the attribute enables the instruction, so only code that has found it gets here, and
+    // only registers are touched.
     unsafe {
         asm!("smmla {sums:v}.4s, {a:v}.16b, {b:v}.16b", sums = inout(vreg) sums,
             a = in(vreg) a, b = in(vreg) b, options(pure, nomem, nostack, preserves_flags));

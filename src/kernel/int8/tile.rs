@@ -62,7 +62,8 @@ impl<T: Real> Tile<T> {
             for (i, line) in self.0[..rows].iter_mut().enumerate() {
                 // Prefetches the next tile: its rows are too far apart for the hardware to do so.
                 fetch_lines(a.ptr_at(i, 0).wrapping_add(2 * WIDTH), 2);
-                // SAFETY: row `i` of the view is `cols` adjacent elements.
+                // SAFETY: row `i` is below the rows of the view, whose stride along columns is 1,
+                // so that `cols` adjacent elements are the row.
                 let source = unsafe { std::slice::from_raw_parts(a.ptr_at(i, 0), cols) };
                 match source.first_chunk::<WIDTH>() {
                     Some(whole) => *line = *whole,
@@ -70,7 +71,8 @@ impl<T: Real> Tile<T> {
                 }
             }
         } else if a.row_stride() == 1 {
-            // SAFETY: column `j` of the view is `rows` adjacent elements.
+            // SAFETY: `j` is below the columns of the view, whose stride along rows is 1, so that
+            // `rows` adjacent elements are the column.
             let column = |j| unsafe { std::slice::from_raw_parts(a.ptr_at(0, j), rows) };
             if rows < STEP || cols < WIDTH {
                 for j in 0..cols {
@@ -80,7 +82,9 @@ impl<T: Real> Tile<T> {
                 }
                 return;
             }
-            // SAFETY: whole columns of a tile.
+            // SAFETY: the view has at least WIDTH columns of at least STEP adjacent elements, as
+            // asked above, and a column of a tile has STEP; an array is aligned as its elements
+            // are.
             let columns = std::array::from_fn(|j| unsafe { &*a.ptr_at(0, j).cast() });
             transpose(columns, &mut self.0);
         } else {
@@ -125,7 +129,7 @@ pub(crate) fn fetch_lines<T>(at: *const T, count: usize) {
     #[cfg(target_arch = "x86_64")]
     for line in 0..count {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        // SAFETY: a hint, which reads nothing.
+        // SAFETY: every x86-64 CPU has the instruction, a hint that is allowed for any address.
         unsafe { _mm_prefetch::<_MM_HINT_T0>(at.cast::<i8>().wrapping_add(64 * line)) };
     }
     #[cfg(target_arch = "aarch64")]

@@ -76,7 +76,10 @@ pub(super) unsafe fn multiply_in_place<V: Vectors, const ROWS: usize, const COUN
                 V::MASK_REGISTERS
                     || rest == V::LANES && target.takes_whole(row..row + height, col..col + width)
             });
-            // SAFETY: the caller's promise; the tile lies inside of the sides.
+            // SAFETY: clauses `instructions`, `sides` and `sums`: `row + height` and `col + width`
+            // are inside the rectangle that both sides have. The last vector has the lanes `tail`
+            // if it is masked, else it is shifted back by `shift`, so that nothing beyond `width`
+            // is read. `sums` advances by a tile for each one that is kept.
             unsafe {
                 let tail = V::mask(low_bits(rest));
                 let masked = V::MASK_REGISTERS || count == 1 && rest < V::LANES;
@@ -162,7 +165,9 @@ unsafe fn part_of_tile<V: Vectors, const ROWS: usize, const COUNT: usize, const 
             }
         };
     }
-    // SAFETY: the caller's promise.
+    // SAFETY: `multiply_in_place` passes `height` rows and `count` vectors that lie inside of the
+    // sides; the parts have 8, 4, 2 or 1 rows that follow one another, `height` in all, and their
+    // sums lie in the same tile. Eight rows of 4 have a target, so that no sums are stored.
     unsafe {
         if height == ROWS {
             return rows!(ROWS);

@@ -57,10 +57,13 @@ macro_rules! instantiate {
                 unsafe fn multiply_row(row: &super::tile::Row<'_, $t>) {
                     use super::tile::multiply_row;
                     use super::vectors::Vectors as V;
-                    // SAFETY: the caller's promise.
+                    // SAFETY: the attributes of this function enable the instructions of the
+                    // vectors; operands, sums and targets are those of the method, which has the
+                    // same contract.
                     unsafe { multiply_row::<$vectors, { <$vectors as V>::ROWS }, { <$vectors as V>::COUNT }>(row) }
                 }
-                // SAFETY: the caller's promise; `self` exists, so the CPU has the instructions.
+                // SAFETY: `self` exists, so `new` has found the instructions; the contract of the
+                // method is that of the function.
                 unsafe { multiply_row(row) }
             }
 
@@ -70,10 +73,13 @@ macro_rules! instantiate {
                     use super::vectors::Vectors as V;
                     const ROWS: usize = <$vectors as V>::ROWS;
                     const COUNT: usize = <$vectors as V>::COUNT;
-                    // SAFETY: the caller's promise.
+                    // SAFETY: the attributes of this function enable the instructions of the
+                    // vectors; operands, sums and targets are those of the method, which has the
+                    // same contract.
                     unsafe { super::in_place::multiply_in_place::<$vectors, ROWS, COUNT>(product) }
                 }
-                // SAFETY: the caller's promise; `self` exists, so the CPU has the instructions.
+                // SAFETY: `self` exists, so `new` has found the instructions; the contract of the
+                // method is that of the function.
                 unsafe { multiply_in_place(product) }
             }
 
@@ -89,10 +95,12 @@ macro_rules! instantiate {
                     area: &super::geometry::Area,
                     out: super::pack::Panels<$t>,
                 ) {
-                    // SAFETY: the caller's promise.
+                    // SAFETY: the attributes of this function enable the instructions of the
+                    // vectors; `out` has room for all panels by the contract of the method.
                     unsafe { super::pack::pack::<$vectors>(sources, area, out) }
                 }
-                // SAFETY: the caller's promise; `self` exists, so the CPU has the instructions.
+                // SAFETY: `self` exists, so `new` has found the instructions; the contract of the
+                // method is that of the function.
                 unsafe { pack(sources, area, out) }
             }
         }

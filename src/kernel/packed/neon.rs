@@ -30,17 +30,19 @@ macro_rules! vectors {
 
             #[inline(always)]
             unsafe fn splat(x: $t) -> [$v; 2] {
-                // SAFETY: every AArch64 CPU has NEON.
+                // SAFETY: every AArch64 CPU has NEON; no memory is accessed.
                 [unsafe { $splat(x) }; 2]
             }
             #[inline(always)]
             unsafe fn load(from: *const $t) -> [$v; 2] {
-                // SAFETY: the caller's promise.
+                // SAFETY: `from` points to LANES scalars, two registers, by the contract of `load`;
+                // any alignment of a scalar will do, and every AArch64 CPU has NEON.
                 unsafe { [$load(from), $load(from.add($half))] }
             }
             #[inline(always)]
             unsafe fn store(to: *mut $t, vector: [$v; 2]) {
-                // SAFETY: the caller's promise.
+                // SAFETY: `to` has room for LANES scalars, two registers, by the contract of
+                // `store`; any alignment of a scalar will do, and every AArch64 CPU has NEON.
                 unsafe {
                     $store(to, vector[0]);
                     $store(to.add($half), vector[1]);
@@ -52,7 +54,9 @@ macro_rules! vectors {
             }
             #[inline(always)]
             unsafe fn load_masked(from: *const $t, mask: u64) -> [$v; 2] {
-                // SAFETY: the caller's promise: lanes outside of the mask are not read.
+                // SAFETY: the lanes of the mask exist by the contract of `load_masked`, and no
+                // others are read: all of them if the mask is full, else each whose bit is set. The
+                // array has LANES scalars.
                 unsafe {
                     if mask == const { low_bits(2 * $half) } {
                         return Self::load(from);
@@ -64,7 +68,8 @@ macro_rules! vectors {
             #[inline(always)]
             unsafe fn store_masked(to: *mut $t, mask: u64, vector: [$v; 2]) {
                 let mut lanes = [0.0; 2 * $half];
-                // SAFETY: the caller's promise: lanes outside of the mask are not written.
+                // SAFETY: there is room for the lanes of the mask by the contract of
+                // `store_masked`, and no others are written. `lanes` has LANES scalars.
                 unsafe {
                     Self::store(lanes.as_mut_ptr(), vector);
                     for (i, &lane) in lanes.iter().enumerate() {
@@ -76,7 +81,7 @@ macro_rules! vectors {
             }
             #[inline(always)]
             unsafe fn mul_add(a: [$v; 2], b: [$v; 2], c: [$v; 2]) -> [$v; 2] {
-                // SAFETY: every AArch64 CPU has NEON.
+                // SAFETY: every AArch64 CPU has NEON; no memory is accessed.
                 unsafe { [$fma(c[0], b[0], a[0]), $fma(c[1], b[1], a[1])] }
             }
             #[inline(always)]
@@ -85,7 +90,8 @@ macro_rules! vectors {
                 right: [[$v; 2]; N],
                 tile: &mut [[[$v; 2]; N]; ROWS],
             ) {
-                // SAFETY: the caller's promise.
+                // SAFETY: `left` points to ROWS scalars by the contract of `add_products`, as many
+                // as `$splat_each` reads.
                 unsafe {
                     // Lanes of registers that hold several scalars: `fmla` takes a lane as it is.
                     let left = $splat_each::<ROWS>(left);
@@ -102,7 +108,7 @@ macro_rules! vectors {
             $(
                 #[inline(always)]
                 unsafe fn $pairwise(a: [$v; 2], b: [$v; 2]) -> [$v; 2] {
-                    // SAFETY: every AArch64 CPU has NEON.
+                    // SAFETY: every AArch64 CPU has NEON; no memory is accessed.
                     unsafe { [$function(a[0], b[0]), $function(a[1], b[1])] }
                 }
             )*
@@ -124,7 +130,8 @@ macro_rules! vectors {
 /// `from` points to so many scalars.
 #[inline(always)]
 unsafe fn splat_each_f64<const ROWS: usize>(from: *const f64) -> [float64x2_t; ROWS] {
-    // SAFETY: the caller's promise.
+    // SAFETY: `add_products` passes ROWS scalars (1, 2, 4 or 8); the load of one is done if ROWS is
+    // 1, those of pairs below ROWS else. Every AArch64 CPU has NEON.
     unsafe {
         let mut found = [vdupq_n_f64(0.0); ROWS];
         if ROWS == 1 {
@@ -144,7 +151,8 @@ unsafe fn splat_each_f64<const ROWS: usize>(from: *const f64) -> [float64x2_t; R
 /// As there.
 #[inline(always)]
 unsafe fn splat_each_f32<const ROWS: usize>(from: *const f32) -> [float32x4_t; ROWS] {
-    // SAFETY: the caller's promise.
+    // SAFETY: `add_products` passes ROWS scalars (1, 2, 4 or 8); each arm loads ROWS of them in
+    // all. Every AArch64 CPU has NEON.
     unsafe {
         let mut found = [vdupq_n_f32(0.0); ROWS];
         match ROWS {

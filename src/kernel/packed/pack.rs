@@ -40,7 +40,10 @@ pub(super) unsafe fn pack<V: Vectors>(
     area: &Area,
     out: Panels<V::Scalar>,
 ) {
-    // SAFETY: the caller's promise.
+    // SAFETY: clause `instructions`; `out` has room for all panels of `area`. `common` is a part of
+    // it that all sources have by rows, whole panels unless it has all columns, which `pack_rows`
+    // and `pack_many_rows` need. What remains goes to `pack_elements`, at the panel and the row
+    // where it begins.
     unsafe {
         let by_rows = sources.iter().all(|s| s.matrix.col_stride() == 1);
         let scaled = sources.iter().filter(|s| s.scale.is_some()).count();
@@ -95,7 +98,9 @@ unsafe fn pack_rows<V: Vectors, const N: usize, const SCALED: bool>(
     area: &Area,
     out: Panels<V::Scalar>,
 ) {
-    // SAFETY: the caller's promise.
+    // SAFETY: clauses `instructions` and `sources`: the sources have all of `area`, and scales for
+    // its columns if SCALED; the last vector of a row is masked. Panels have room for whole vectors
+    // in each row of WIDTH scalars. Stores past the caches are aligned by clause `alignment`.
     unsafe {
         // Rows of panels must be whole cache lines: a partly written line is slow to store.
         let past_caches = out.past_caches && V::WIDTH.is_multiple_of(line_len::<V::Scalar>());
@@ -152,7 +157,8 @@ unsafe fn sum_of<V: Vectors, const N: usize, const SCALED: bool>(
     at: usize,
     mask: Option<V::Mask>,
 ) -> V::Vector {
-    // SAFETY: the caller's promise: the vector, or its masked lanes, lie inside of the rows.
+    // SAFETY: `pack_rows` passes rows and, if SCALED, scales that have the columns of its area from
+    // `at` on: LANES of them, or those of the mask. Clause `instructions`.
     unsafe {
         let load = |from: *const V::Scalar| match mask {
             None => V::load(from.add(at)),
@@ -180,7 +186,9 @@ unsafe fn pack_many_rows<V: Vectors>(
     area: &Area,
     out: Panels<V::Scalar>,
 ) {
-    // SAFETY: as for `pack_rows`.
+    // SAFETY: clauses `instructions` and `sources`: `pack` calls this for an area that all sources
+    // have by rows, and the mask has only lanes before its last column. A scale has as many
+    // elements as its source has columns. Panels have room for whole vectors in each row.
     unsafe {
         let columns = area.cols.len();
         for (k, row) in area.rows.clone().enumerate() {
@@ -225,7 +233,8 @@ unsafe fn pack_elements<V: Vectors>(
 ) {
     /// Rows per pass, so that matrices stored by columns are read in order.
     const ROWS: usize = 16;
-    // SAFETY: the caller's promise; only entries inside of a source are read.
+    // SAFETY: clauses `instructions` and `sources`: `count` and `width` end where a source ends, so
+    // that only its entries are read. `out` has room for whole rows of WIDTH scalars.
     unsafe {
         let panels = area.cols.len().div_ceil(V::WIDTH);
         for panel in 0..panels {

@@ -245,8 +245,10 @@ impl<T: Real> Phase<'_, '_, T> {
                     targets,
                     last,
                 };
-                // SAFETY: the sides hold `steps` rows, the sums a tile per panel or one; the caller
-                // promises the rest.
+                // SAFETY: clause `sides`: the sources of both sides are read in place from the
+                // first of `steps` rows on, and the rectangle ends at the product's last row and
+                // column; clause `sums`: `sums_len` has a tile for each panel if `kept`. Nobody
+                // else uses the entries, by this method's contract.
                 unsafe { kernel.multiply_in_place(&rectangle) };
                 continue;
             }
@@ -277,8 +279,9 @@ impl<T: Real> Phase<'_, '_, T> {
                     targets: if last { targets } else { &[] },
                     corner,
                 };
-                // SAFETY: the sides hold `steps` rows, the sums a tile per panel or one; the caller
-                // promises the rest.
+                // SAFETY: clause `sides`: the panels of block `b` are packed, by this method's
+                // contract; clause `sums`: the slice has a tile for each panel if `kept`, else one.
+                // Nobody else uses the entries, by this method's contract.
                 unsafe { kernel.multiply_row(&row) };
             }
         }

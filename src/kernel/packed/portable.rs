@@ -27,12 +27,14 @@ impl<T: Real, const N: usize> Vectors for Array<T, N> {
     }
     #[inline(always)]
     unsafe fn load(from: *const T) -> [T; N] {
-        // SAFETY: the caller's promise.
+        // SAFETY: `from` points to N = LANES scalars by the contract of `load`, and an array is
+        // aligned as they are.
         unsafe { from.cast::<[T; N]>().read() }
     }
     #[inline(always)]
     unsafe fn store(to: *mut T, vector: [T; N]) {
-        // SAFETY: the caller's promise.
+        // SAFETY: `to` has room for N = LANES scalars by the contract of `store`, and an array is
+        // aligned as they are.
         unsafe { to.cast::<[T; N]>().write(vector) }
     }
     #[inline(always)]
@@ -41,14 +43,16 @@ impl<T: Real, const N: usize> Vectors for Array<T, N> {
     }
     #[inline(always)]
     unsafe fn load_masked(from: *const T, mask: u64) -> [T; N] {
-        // SAFETY: the caller's promise.
+        // SAFETY: the lanes of the mask exist by the contract of `load_masked`, and only these are
+        // read.
         std::array::from_fn(|i| if mask >> i & 1 == 1 { unsafe { *from.add(i) } } else { T::ZERO })
     }
     #[inline(always)]
     unsafe fn store_masked(to: *mut T, mask: u64, vector: [T; N]) {
         for i in 0..N {
             if mask >> i & 1 == 1 {
-                // SAFETY: the caller's promise.
+                // SAFETY: there is room for the lanes of the mask by the contract of
+                // `store_masked`, and only these are written.
                 unsafe { *to.add(i) = vector[i] };
             }
         }

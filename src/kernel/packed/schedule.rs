@@ -116,8 +116,10 @@ pub(crate) unsafe fn run<T: Real>(job: &Job<'_, T>, par: Par, scratch: &mut [T])
                 // The remaining tickets are handed out too, since threads wait for them.
                 return ControlFlow::Continue(());
             }
-            // SAFETY: the phases that this one needs are done, each ticket is handed out once, and
-            // pieces of a phase write disjoint memory: panels, or entries of C.
+            // SAFETY: `run` has the matrices to itself. The latches of `needed_by` say that the
+            // phases that this one needs are done, `tickets` hands out each ticket once, and pieces
+            // of a phase write disjoint memory: panels in a chunk of `packed_len` scalars, or
+            // entries of C. Each worker has its own sums.
             unsafe {
                 match phase.step {
                     Step::Pack => phase.pack(job.kernel, i),

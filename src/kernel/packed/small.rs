@@ -68,7 +68,9 @@ pub(crate) unsafe fn run_small<T: Real>(
     target: &mut Target<T>,
     shape: Shape,
 ) {
-    // SAFETY: the caller's promise; plain sources can be read in place.
+    // SAFETY: the target is the caller's alone, as each callee asks. `is_plain` has checked for the
+    // callees that read in place that both sources have `depth` contiguous rows of `rows` and
+    // `cols` entries.
     unsafe {
         let geometry = kernel.geometry();
         if !left.is_plain(shape.depth, shape.rows) || !right.is_plain(shape.depth, shape.cols) {
@@ -140,8 +142,10 @@ unsafe fn multiply_in_place<T: Real>(
                 targets: std::slice::from_ref(target),
                 last: true,
             };
-            // SAFETY: the sources have these rows, the sums hold a tile; the caller promises that
-            // nobody else uses the target.
+            // SAFETY: `run_small` has checked that the left source has these rows and columns, and
+            // `right` returns a side of `end - first` rows of these columns; the sums hold the
+            // largest tile, one for all since `kept` is false; nobody else uses the target, by this
+            // function's contract.
             unsafe { kernel.multiply_in_place(&product) };
             col += wide;
         }
@@ -176,7 +180,9 @@ unsafe fn multiply_panels<T: Real>(
         let start = packed.wrapping_sub(area.cols.start).cast_const();
         Side { start, row_stride: width as isize, panel_stride: width }
     };
-    // SAFETY: the caller's promise.
+    // SAFETY: `run_small` has checked the left source; `side` packs the rows and the columns that
+    // it is asked for, one panel since they are at most `width`; nobody else uses the target, by
+    // this function's contract.
     unsafe { multiply_in_place(kernel, geometry, left, target, shape, width, side) };
 }
 
@@ -239,8 +245,9 @@ unsafe fn multiply_packed<T: Real>(
                 targets: std::slice::from_ref(target),
                 corner,
             };
-            // SAFETY: whole panels have been written, the sums hold a tile; the caller promises
-            // that nobody else uses the target.
+            // SAFETY: `pack` has written whole panels of `steps` rows of both sides; the sums hold
+            // the largest tile, one for all since `kept` is false; nobody else uses the target, by
+            // this function's contract.
             unsafe { kernel.multiply_row(&row) };
         }
         target.beta = T::ONE;

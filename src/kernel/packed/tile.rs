@@ -81,7 +81,10 @@ pub(super) unsafe fn multiply_row<V: Vectors, const ROWS: usize, const COUNT: us
         let first = row.wanted.start.saturating_sub(col) / V::LANES;
         let rest = (row.wanted.end - col).min(V::WIDTH);
         let count = rest.div_ceil(V::LANES) - first;
-        // SAFETY: the caller's promise.
+        // SAFETY: clauses `instructions`, `sides` and `sums`: panel j of the right side and the
+        // left side have `steps` rows of WIDTH scalars, the sums a tile for each panel if `kept`,
+        // else one. `first + count` vectors are at most COUNT, so all stay inside a panel and a
+        // tile. `write_registers` without masks gets targets that take the whole tile only.
         unsafe {
             let sums = row.sums.add(if row.kept { j * V::ROWS * V::WIDTH } else { 0 });
             let tile = Tile {
@@ -180,7 +183,9 @@ impl<T: Real> Tile<T> {
     where
         V: Vectors<Scalar = T>,
     {
-        // SAFETY: the caller's promise.
+        // SAFETY: clauses `instructions` and `sides`: as many steps are taken as `steps`, since
+        // ROWS * PACE, PACE and 1 at a time are subtracted from `rest`. Prefetches take any
+        // address. `complete` reads the sums under the same contract.
         unsafe {
             let mut tile = [[V::splat(T::ZERO); N]; ROWS];
             let mut rest = self.steps;
@@ -249,7 +254,8 @@ impl<T: Real> Tile<T> {
                 V::prefetch(ahead.wrapping_add(i * line));
             }
             V::prefetch(self.left.wrapping_offset(V::TUNING.ahead as isize * self.left_stride));
-            // SAFETY: the caller's promise.
+            // SAFETY: `multiply` has PACE more rows to do when it calls this, and `step` advances
+            // by one.
             unsafe { self.step::<V, ROWS, N, MASKED>(tail, tile) };
         }
     }
@@ -266,7 +272,9 @@ impl<T: Real> Tile<T> {
     ) where
         V: Vectors<Scalar = T>,
     {
-        // SAFETY: the caller's promise.
+        // SAFETY: clauses `instructions` and `sides`: this row has N vectors on the right, the last
+        // one less the lanes that are not in `tail` or shifted back by `shift`, and ROWS scalars on
+        // the left. The addresses of the next row are only computed, without a bound.
         unsafe {
             let mut r = [V::splat(T::ZERO); N];
             for j in 0..N {
@@ -301,7 +309,8 @@ impl<T: Real> Tile<T> {
         if self.add {
             for i in 0..ROWS {
                 for j in 0..N {
-                    // SAFETY: the caller's promise.
+                    // SAFETY: clause `sums`: row i is below ROWS and vector j ends in its WIDTH
+                    // scalars, which earlier steps have stored.
                     unsafe {
                         let at = i * V::WIDTH + self.column::<V, N>(j);
                         let earlier = V::load(self.sums.add(at));
@@ -325,7 +334,8 @@ impl<T: Real> Tile<T> {
         for i in 0..ROWS {
             for j in 0..N {
                 let at = i * V::WIDTH + self.column::<V, N>(j);
-                // SAFETY: the caller's promise.
+                // SAFETY: clause `sums`: row i is below ROWS and vector j ends in its WIDTH
+                // scalars.
                 unsafe { V::store(self.sums.add(at), tile[i][j]) };
             }
         }

@@ -44,7 +44,7 @@ pub(super) trait Vectors {
     /// # Safety
     /// As for [`Vectors::store`]; `to` is aligned to a vector.
     unsafe fn store_past_caches(to: *mut Self::Scalar, vector: Self::Vector) {
-        // SAFETY: the caller's promise.
+        // SAFETY: the contract includes that of `store`.
         unsafe { Self::store(to, vector) }
     }
     /// Returns the mask of the lanes whose bits are set; bits beyond the lanes are ignored.
@@ -77,7 +77,8 @@ pub(super) trait Vectors {
         right: [Self::Vector; N],
         tile: &mut [[Self::Vector; N]; ROWS],
     ) {
-        // SAFETY: the caller's promise.
+        // SAFETY: `left` points to ROWS scalars, and i is below ROWS; the rest accesses no memory,
+        // and the CPU has the instructions (clause `instructions`).
         unsafe {
             for i in 0..ROWS {
                 let l = Self::splat(*left.add(i));

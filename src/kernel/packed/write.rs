@@ -28,7 +28,9 @@ pub(super) unsafe fn write<V: Vectors>(
 ) {
     let height = height.min(target.rows.saturating_sub(row));
     let mut unscaled = MaybeUninit::<[V::Scalar; LARGEST_TILE]>::uninit();
-    // SAFETY: the caller's promise; the entries lie inside the block.
+    // SAFETY: clauses `instructions`, `sums` and `targets`: `height` ends at the last row of the
+    // block, and the columns that it wants are those of its rows. `unscaled` has room for the
+    // largest tile, and `unscale` writes what is read from it.
     unsafe {
         if let Some(scales) = target.scales() {
             let wanted = target.wanted_of(row..row + height);
@@ -56,7 +58,9 @@ unsafe fn write_wanted<V: Vectors>(
     height: usize,
     width: usize,
 ) {
-    // SAFETY: as for `write`.
+    // SAFETY: clauses `instructions` and `targets`: `columns` are the wanted ones of each row,
+    // below `width` and inside the block, and `write` has cut `height`. Whole vectors are loaded
+    // from sums whose rows have WIDTH, a multiple of LANES.
     unsafe {
         let (c, beta) = (V::splat(target.coefficient), V::splat(target.beta));
         let reads = target.beta != V::Scalar::ZERO;
@@ -116,7 +120,9 @@ pub(super) unsafe fn write_registers<
     row: usize,
     col: usize,
 ) {
-    // SAFETY: the caller's promise; the entries lie inside the block.
+    // SAFETY: clauses `instructions` and `targets`: with MASKED the bits are those of wanted
+    // entries inside the block, without it the block takes all of the tile, as the caller has asked
+    // `takes_whole`.
     unsafe {
         let (c, beta) = (V::splat(target.coefficient), V::splat(target.beta));
         let columns = target.columns_from(row, col, N * V::LANES);
@@ -157,7 +163,8 @@ unsafe fn write_elements<V: Vectors>(
     height: usize,
     width: usize,
 ) {
-    // SAFETY: as for `write`.
+    // SAFETY: clause `targets`: j runs over the wanted columns of row `row + i` in the tile, which
+    // lie inside the block, and `write` has cut `height`.
     unsafe {
         for i in 0..height {
             let wanted = target.wanted(row + i);
@@ -189,7 +196,9 @@ unsafe fn unscale<V: Vectors>(
     out: *mut V::Scalar,
 ) {
     const { assert!(V::ROWS * V::WIDTH <= LARGEST_TILE) };
-    // SAFETY: the caller's promise.
+    // SAFETY: clauses `instructions` and `sums`: a tile has at most LARGEST_TILE scalars, as
+    // asserted, and rows of WIDTH, a multiple of LANES, so that whole vectors end inside; scales
+    // are read for the wanted columns only, by the mask, and for rows below `height`.
     unsafe {
         let one = V::splat(V::Scalar::ONE);
         let (first, end) = (wanted.start / V::LANES * V::LANES, wanted.end);

@@ -30,59 +30,69 @@ macro_rules! vectors {
 
             #[inline(always)]
             unsafe fn splat(x: $t) -> $v {
-                // SAFETY: the caller's promise.
+                // SAFETY: the CPU has the instruction (clause `instructions` of the module
+                // `packed`); no memory is accessed.
                 unsafe { $splat(x) }
             }
             #[inline(always)]
             unsafe fn load(from: *const $t) -> $v {
-                // SAFETY: the caller's promise.
+                // SAFETY: clause `instructions`; `from` points to LANES scalars by the contract of
+                // `load`, and the instruction takes any alignment.
                 unsafe { $load(from) }
             }
             #[inline(always)]
             unsafe fn store(to: *mut $t, vector: $v) {
-                // SAFETY: the caller's promise.
+                // SAFETY: clause `instructions`; `to` has room for LANES scalars by the contract of
+                // `store`, and the instruction takes any alignment.
                 unsafe { $store(to, vector) }
             }
             #[inline(always)]
             unsafe fn store_past_caches(to: *mut $t, vector: $v) {
-                // SAFETY: the caller's promise.
+                // SAFETY: clause `instructions`; `to` has room for LANES scalars and is aligned to
+                // a vector by the contract of `store_past_caches` (clause `alignment`), which the
+                // stores of AVX-512 need.
                 unsafe { $stream(to, vector) }
             }
             #[inline(always)]
             unsafe fn mask(bits: u64) -> $m {
-                // SAFETY: the caller's promise.
+                // SAFETY: clause `instructions`; no memory is accessed.
                 unsafe { $mask(bits) }
             }
             #[inline(always)]
             unsafe fn load_masked(from: *const $t, mask: $m) -> $v {
-                // SAFETY: the caller's promise: lanes outside of the mask are not read.
+                // SAFETY: clause `instructions`; the lanes of the mask exist by the contract of
+                // `load_masked`, and the instruction reads no others and takes any alignment.
                 unsafe { $load_masked(from, mask) }
             }
             #[inline(always)]
             unsafe fn store_masked(to: *mut $t, mask: $m, vector: $v) {
-                // SAFETY: the caller's promise: lanes outside of the mask are not written.
+                // SAFETY: clause `instructions`; there is room for the lanes of the mask by the
+                // contract of `store_masked`, and the instruction writes no others and takes any
+                // alignment.
                 unsafe { $store_masked(to, mask, vector) }
             }
             #[inline(always)]
             unsafe fn mul_add(a: $v, b: $v, c: $v) -> $v {
-                // SAFETY: the caller's promise.
+                // SAFETY: clause `instructions`; no memory is accessed.
                 unsafe { $fma(a, b, c) }
             }
             $(
                 #[inline(always)]
                 unsafe fn $pairwise(a: $v, b: $v) -> $v {
-                    // SAFETY: the caller's promise.
+                    // SAFETY: clause `instructions`; no memory is accessed.
                     unsafe { $function(a, b) }
                 }
             )*
             #[inline(always)]
             fn prefetch(address: *const $t) {
-                // SAFETY: a hint, for any address.
+                // SAFETY: every x86-64 CPU has the instruction, a hint that is allowed for any
+                // address.
                 unsafe { _mm_prefetch::<_MM_HINT_T0>(address.cast()) }
             }
             #[inline(always)]
             fn prefetch_far(address: *const $t) {
-                // SAFETY: a hint, for any address.
+                // SAFETY: every x86-64 CPU has the instruction, a hint that is allowed for any
+                // address.
                 unsafe { _mm_prefetch::<_MM_HINT_T1>(address.cast()) }
             }
         }
@@ -102,7 +112,8 @@ unsafe fn mask_16_bits(bits: u64) -> __mmask16 {
 /// Returns a mask with all bits of the 64-bit lanes whose bits are set.
 #[inline(always)]
 unsafe fn mask_4_lanes(bits: u64) -> __m256i {
-    // SAFETY: the caller has AVX2.
+    // SAFETY: called by `Avx2F64::mask` only, and clause `instructions` gives it AVX2; no memory is
+    // accessed.
     unsafe {
         let own = _mm256_set_epi64x(8, 4, 2, 1);
         _mm256_cmpeq_epi64(_mm256_and_si256(_mm256_set1_epi64x(bits as i64), own), own)
@@ -112,7 +123,8 @@ unsafe fn mask_4_lanes(bits: u64) -> __m256i {
 /// Returns a mask with all bits of the 32-bit lanes whose bits are set.
 #[inline(always)]
 unsafe fn mask_8_lanes(bits: u64) -> __m256i {
-    // SAFETY: the caller has AVX2.
+    // SAFETY: called by `Avx2F32::mask` only, and clause `instructions` gives it AVX2; no memory is
+    // accessed.
     unsafe {
         let own = _mm256_set_epi32(128, 64, 32, 16, 8, 4, 2, 1);
         _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(bits as i32), own), own)
@@ -121,13 +133,15 @@ unsafe fn mask_8_lanes(bits: u64) -> __m256i {
 
 #[inline(always)]
 unsafe fn load_f64x8(from: *const f64, mask: __mmask8) -> __m512d {
-    // SAFETY: the caller's promise.
+    // SAFETY: called by `Avx512F64::load_masked` only, whose CPU has AVX-512 F (clause
+    // `instructions`) and whose contract says that the lanes of the mask exist; no others are read.
     unsafe { _mm512_maskz_loadu_pd(mask, from) }
 }
 
 #[inline(always)]
 unsafe fn load_f32x16(from: *const f32, mask: __mmask16) -> __m512 {
-    // SAFETY: the caller's promise.
+    // SAFETY: called by `Avx512F32::load_masked` only, whose CPU has AVX-512 F (clause
+    // `instructions`) and whose contract says that the lanes of the mask exist; no others are read.
     unsafe { _mm512_maskz_loadu_ps(mask, from) }
 }
 

@@ -72,7 +72,8 @@ impl<S: Sink> Job<'_, '_, S> {
     ) {
         let (moduli, place) = (self.layout.moduli, unit.place(i, j));
         let next = if self.sink.is_by_rows() { unit.rows.len() } else { 1 };
-        // SAFETY: the caller's promise; blocks of different panels are disjoint.
+        // SAFETY: the contract: no thread writes the residues, nor uses this block, meanwhile;
+        // blocks of different panels are disjoint.
         unsafe {
             let mut residues = [self.residues.read(place); MOST_MODULI];
             for (l, residues) in residues[..moduli].iter_mut().enumerate() {

@@ -74,7 +74,9 @@ impl Round<'_, '_> {
                 let [right, next] = [j, (j + 1).min(unit.cols.end - 1)]
                     .map(|j| self.right.slices(l, j, steps.clone()));
                 let first = place(rows.start, j);
-                // SAFETY: the caller's promise; the reference ends with this product.
+                // SAFETY: no other thread uses the places of this unit, by the contract, and each
+                // pair of a piece and a column takes them one after another: the reference ends
+                // with this product. The range is checked.
                 let residues = unsafe { residues.range(first..first + rows.len()) };
                 kernel.product(&Operands { left, right, next, modulus, continued }, residues);
             }

@@ -57,7 +57,8 @@ impl<T: IntegerOperand> Sink for Floats<'_, T> {
     ) {
         let extent = |panel, len: usize| PANEL * panel..len.min(PANEL * (panel + 1));
         let (rows, cols) = (extent(i, self.c.nrows()), extent(j, self.c.ncols()));
-        // SAFETY: the caller's promise; blocks are disjoint.
+        // SAFETY: the contract: no other thread uses block (i, j), and blocks of different panels
+        // are disjoint. `extent` ends at the last row and column of C.
         let c = unsafe { self.c.block(rows, cols) };
         let (across, along) = match self.is_by_rows() {
             true => (c.row_stride(), c.col_stride()),
@@ -138,7 +139,8 @@ impl<'s, I> TriangleRows<'s, I> {
     /// No other thread uses it meanwhile.
     #[allow(clippy::mut_from_ref)]
     unsafe fn get(&self, i: usize, j: usize) -> &mut I {
-        // SAFETY: the caller's promise.
+        // SAFETY: the contract is that of `Disjoint::get`: no other thread uses this entry. The
+        // index is checked there.
         unsafe { self.entries.get(triangle_len(i) + j - self.skipped) }
     }
 }
@@ -189,7 +191,9 @@ impl<I: Integer> Sink for Integers<'_, I> {
                 let count = if triangle { i + 1 } else { WIDTH.min(k - col) };
                 for (j, &value) in values.iter().enumerate().take(count) {
                     let (i, j) = (self.corner.0 + row + i, self.corner.1 + col + j);
-                    // SAFETY: the caller's promise; quarters are disjoint.
+                    // SAFETY: the contract: no other thread uses block (i, j) of X, to whose
+                    // quarters the entries belong; each is taken once, and the reference ends with
+                    // this iteration.
                     let sum = unsafe { self.sums.get(i, j) };
                     *sum = sum.plus(if self.subtract { value.negated() } else { value });
                 }

@@ -234,7 +234,8 @@ fn fill<L: Lanes, T: IntegerOperand>(lanes: L, a: MatRef<'_, T>, first: usize, r
     if along == 1 {
         for (i, row) in rows.iter_mut().enumerate() {
             let from = a.as_ptr().wrapping_offset(i as isize * down);
-            // SAFETY: the entries of a row are adjacent.
+            // SAFETY: the entries of a row are adjacent, as `range` is long; `rows` has as many
+            // rows as `a`.
             put(lanes, unsafe { T::read(lanes, from, range.clone()) }, first, row);
         }
     } else if down == 1 {
@@ -244,7 +245,8 @@ fn fill<L: Lanes, T: IntegerOperand>(lanes: L, a: MatRef<'_, T>, first: usize, r
                 if range.contains(&j) {
                     let from = a.as_ptr().wrapping_offset((j - first) as isize * along);
                     let from = from.wrapping_add(block * LANES);
-                    // SAFETY: the entries of a column are adjacent.
+                    // SAFETY: the entries of a column are adjacent; `rows` has as many rows as `a`,
+                    // in chunks, so that each chunk ends inside the column.
                     columns[j] = unsafe { T::read(lanes, from, 0..rows.len()) };
                 }
             }
@@ -501,14 +503,16 @@ impl<T: IntegerOperand> Multiply<'_, '_, '_, T> {
         let offset = (row + above) as isize * down + col as isize * along;
         let to = self.c.as_ptr_mut().wrapping_offset(offset);
         if down == 1 && alpha == T::ONE && beta == T::ZERO {
-            // SAFETY: adjacent entries of C.
+            // SAFETY: the entries of a column of C are adjacent; `range` ends at its last row and
+            // begins at `to`.
             unsafe { T::write(lanes, values, to, range) };
             return;
         }
         let mut of_lanes = [0.0; LANES];
         lanes.store(values, &mut of_lanes);
         for (i, &value) in of_lanes[range].iter().enumerate() {
-            // SAFETY: an entry of C.
+            // SAFETY: `to` is entry (row + above, col) of C, which is borrowed, and `range` ends at
+            // the last row.
             write_entry(alpha, beta, value, unsafe { &mut *to.offset(i as isize * down) });
         }
     }

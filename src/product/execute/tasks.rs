@@ -86,10 +86,12 @@ pub(super) fn execute<T: BlasReal>(
 
     threads.tickets(if cut.slabs > 1 { tasks.len() } else { 0 }, |i| {
         let task = &tasks[i];
-        // SAFETY: as above; the first pass is over.
+        // SAFETY: tasks own disjoint blocks, each ticket is handed out once, and the first pass,
+        // which had them before, has returned.
         let mut sum = unsafe { block_of(&destinations[0], task) };
         for partial in &destinations[1..] {
-            // SAFETY: as above.
+            // SAFETY: the block of the same task in another destination, which is memory of its
+            // own; as for `sum`, no other ticket uses it.
             let partial = unsafe { block_of(partial, task) };
             if task.op(problem.op) == Op::Gemm {
                 accumulate(sum.rb_mut(), T::ONE, T::ONE, partial.rb());
@@ -120,6 +122,7 @@ pub(super) fn partial<'m, T>(
 /// # Safety
 /// As for [`Disjoint::block`].
 unsafe fn block_of<'m, T>(matrix: &'m Disjoint<'_, T>, task: &Task) -> MatMut<'m, T> {
-    // SAFETY: the caller's promise.
+    // SAFETY: the contract is that of `Disjoint::block`: no other block that is alive overlaps this
+    // one.
     unsafe { matrix.block(task.rows.clone(), task.cols.clone()) }
 }

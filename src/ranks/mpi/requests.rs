@@ -36,7 +36,8 @@ impl Requests {
     /// Waits until all have ended, and removes them.
     pub(super) fn wait(&mut self) {
         let count = self.0.len() as i32;
-        // SAFETY: as above.
+        // SAFETY: the requests were started by `start`, and `count` is their number; ended ones are
+        // null, for which MPI does not wait.
         unsafe { ffi::MPI_Waitall(count, self.0.as_mut_ptr(), ffi::RSMPI_STATUSES_IGNORE) };
         self.0.clear();
     }

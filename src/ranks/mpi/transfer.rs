@@ -55,7 +55,9 @@ impl<T: MpiReal> Transfer<T> {
         let mut requests = Requests::default();
         let datatype = T::equivalent_datatype();
         for part in buffer.chunks_mut(world.longest_message()) {
-            // SAFETY: as above, and nothing else accesses the entries.
+            // SAFETY: the entries stay in place on the heap, and nothing else accesses them, until
+            // the request has ended: only then are they returned, and a transfer that is dropped
+            // waits for it. A part has at most `longest_message` entries, of the type `datatype`.
             requests.start(|request| unsafe {
                 ffi::MPI_Irecv(
                     part.as_mut_ptr().cast(),

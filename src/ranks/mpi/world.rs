@@ -445,7 +445,7 @@ impl Drop for World {
         // A communicator can't be freed once MPI is finalized, nor on a thread that may not call
         // MPI; then it stays.
         if !::mpi::environment::is_finalized() && check_threads().is_ok() {
-            // SAFETY: never used again.
+            // SAFETY: dropped here only, with the world, after which nobody can use it.
             unsafe { ManuallyDrop::drop(&mut self.comm) };
         }
     }

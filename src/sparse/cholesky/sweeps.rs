@@ -216,11 +216,13 @@ impl Sweeps {
         let largest = self.subtrees.iter().map(|part| part.values).max().unwrap_or(0);
         let operations = operations_of(largest);
         par.for_each_asking(subtrees.iter_mut(), operations, |_, (part, rows)| {
-            // SAFETY: each row belongs to one part only.
+            // SAFETY: each row belongs to one part only, each part to one call of this closure, and
+            // nobody else has X, which is borrowed.
             unsafe { part.gather(&x, rows) };
             self.down::<UNIT, FUSED>(part.nodes.clone(), factor, rows);
         })?;
-        // SAFETY: as above, and no other part is being computed.
+        // SAFETY: `for_each_asking` has returned, so no part of a subtree is being computed, and
+        // nobody else has X, which is borrowed.
         unsafe { self.top.gather(&x, top) };
         for (part, rows) in &subtrees {
             for (&row, change) in part.above.iter().zip(&rows[part.own.len()..]) {
@@ -236,7 +238,8 @@ impl Sweeps {
             self.up::<UNIT, FUSED>(run.nodes, factor, top);
             spend(operations_of(run.values))?;
         }
-        // SAFETY: as above.
+        // SAFETY: no other part is being computed on any thread, and nobody else has X, which is
+        // borrowed.
         unsafe { self.top.scatter(&x, top) };
         let top = &*top;
         let wanted = subtrees.into_iter().zip(is_wanted).filter(|(_, is_wanted)| **is_wanted);
@@ -245,7 +248,7 @@ impl Sweeps {
                 *row = top[i as usize];
             }
             self.up::<UNIT, FUSED>(part.nodes.clone(), factor, rows);
-            // SAFETY: as above.
+            // SAFETY: each row belongs to one part only, and each part to one call of this closure.
             unsafe { part.scatter(&x, rows) };
         })
     }
@@ -361,7 +364,8 @@ impl Part {
         for j in 0..x.ncols() {
             let column = x.pointer(&(0..x.nrows()), &(j..j + 1));
             for (row, &i) in rows.iter().zip(&self.own) {
-                // SAFETY: as in `gather`.
+                // SAFETY: rows of the factor are rows of X; by the contract no other thread uses
+                // this one.
                 unsafe { *column.at(i as isize * x.row_stride()) = row[j] };
             }
         }

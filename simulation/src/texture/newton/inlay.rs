@@ -17,7 +17,6 @@ pub struct Inlay {
     pub range: [f64; 2],
     /// The height that a value of 1 stands for, in hundredths of the square root of the area of the
     /// surface, from 0 to 100. Default 0.4.
-    /// 100. Default 0.4.
     pub depth: f64,
 }
 

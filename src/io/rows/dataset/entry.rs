@@ -59,7 +59,7 @@ impl Entry {
 
 /// Returns a type of numbers that the library has no name for: floating point of other sizes.
 fn unusual(kind: &Datatype, e: &::hdf5::Error) -> Result<Entry, String> {
-    // SAFETY: the handle is alive.
+    // SAFETY: `kind` keeps its handle alive, and `sync` holds the lock of the HDF5 library.
     let class = ::hdf5::sync::sync(|| unsafe { H5Tget_class(kind.id()) });
     if class != H5T_class_t::H5T_FLOAT {
         return Err(format!("has entries of a type that is not read: {e}"));

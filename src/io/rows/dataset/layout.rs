@@ -99,7 +99,8 @@ fn parts(creation: &DatasetCreate) -> ::hdf5::Result<Vec<(String, String)>> {
     };
     ::hdf5::sync::sync(|| {
         let mut count = 0;
-        // SAFETY: the list and the number are alive.
+        // SAFETY: `id` is a live property list, `count` a number to write, and `sync` holds the
+        // lock of the HDF5 library.
         if unsafe { H5Pget_virtual_count(id, &mut count) } < 0 {
             return Err(fail());
         }
@@ -206,7 +207,8 @@ impl Chunks {
         let access = DatasetAccess::build().chunk_cache(slots, bytes, 1.0).finish()?;
         let name = CString::new(name).map_err(|e| ::hdf5::Error::Internal(e.to_string()))?;
         ::hdf5::sync::sync(|| {
-            // SAFETY: the handles and the name are alive.
+            // SAFETY: `file` and `access` keep their handles alive, `name` ends with a NUL, and
+            // `sync` holds the lock of the HDF5 library.
             let id = unsafe { H5Dopen2(file.id(), name.as_ptr(), access.id()) };
             if id < 0 {
                 return Err(::hdf5::Error::query().unwrap_or_else(|e| e));
