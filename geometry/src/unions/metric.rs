@@ -172,7 +172,7 @@ impl RetrievalMetric {
     /// [`Error::Shape`] for another number of eigenvalues, [`Error::NonFinite`], and
     /// [`Error::Argument`] for one that is not positive behind the zeros.
     pub fn of_query(&self, query: &[f64]) -> Result<Vec<f64>> {
-        self.signature("query", query, &self.query_mean, &self.of_query)
+        self.query(0, query)
     }
 
     /// Computes the signature of a shape among which queries search.
@@ -180,7 +180,7 @@ impl RetrievalMetric {
     /// # Errors
     /// As [`of_query`](Self::of_query).
     pub fn of_shape(&self, shape: &[f64]) -> Result<Vec<f64>> {
-        self.signature("shape", shape, &self.shape_mean, &self.of_shape)
+        self.shape(0, shape)
     }
 
     /// Computes the distance of a query from a shape; a pure number, about the square root of
@@ -189,22 +189,48 @@ impl RetrievalMetric {
     /// # Errors
     /// As [`of_query`](Self::of_query).
     pub fn distance(&self, query: &[f64], shape: &[f64]) -> Result<f64> {
-        let (query, shape) = (self.of_query(query)?, self.of_shape(shape)?);
-        let squares = query.iter().zip(&shape).map(|(x, y)| (x - y) * (x - y));
-        Ok(squares.sum::<f64>().sqrt())
+        Ok(self.distances(&[query], &[shape])?[(0, 0)])
+    }
+
+    /// Computes the [`distance`](Self::distance) of each query from each shape: a row for each
+    /// query, a column for each shape.
+    ///
+    /// # Errors
+    /// As [`of_query`](Self::of_query).
+    pub fn distances<S: AsRef<[f64]>>(&self, queries: &[S], shapes: &[S]) -> Result<Mat<f64>> {
+        let all = |spectra: &[S], of: &dyn Fn(usize, &[f64]) -> Result<Vec<f64>>| {
+            let rows = spectra.iter().enumerate();
+            rows.map(|(row, spectrum)| of(row, spectrum.as_ref())).collect::<Result<Vec<_>>>()
+        };
+        let queries = all(queries, &|row: usize, x: &[f64]| self.query(row, x))?;
+        let shapes = all(shapes, &|row: usize, x: &[f64]| self.shape(row, x))?;
+        Ok(Mat::from_fn(queries.len(), shapes.len(), |i, j| {
+            let pairs = queries[i].iter().zip(&shapes[j]);
+            pairs.map(|(x, y)| (x - y) * (x - y)).sum::<f64>().sqrt()
+        }))
+    }
+
+    fn query(&self, row: usize, spectrum: &[f64]) -> Result<Vec<f64>> {
+        self.signature("query", row, spectrum, &self.query_mean, &self.of_query)
+    }
+
+    fn shape(&self, row: usize, spectrum: &[f64]) -> Result<Vec<f64>> {
+        self.signature("shape", row, spectrum, &self.shape_mean, &self.of_shape)
     }
 
     fn signature(
         &self,
         what: &'static str,
+        row: usize,
         spectrum: &[f64],
         mean: &[f64],
         matrix: &Mat<f64>,
     ) -> Result<Vec<f64>> {
         Error::check_shape(what, (self.k(), 1), (spectrum.len(), 1))?;
-        let logs = difference(&logarithms(what, 0, spectrum, self.zeros, self.scale_free)?, mean);
-        let row = |i: usize| logs.iter().enumerate().map(|(j, x)| matrix[(i, j)] * x).sum();
-        Ok((0..logs.len()).map(row).collect())
+        let logs = logarithms(what, row, spectrum, self.zeros, self.scale_free)?;
+        let logs = difference(&logs, mean);
+        let entry = |i: usize| logs.iter().enumerate().map(|(j, x)| matrix[(i, j)] * x).sum();
+        Ok((0..logs.len()).map(entry).collect())
     }
 
     /// Returns the bytes of a file of the metric, in JSON; the same metric gives the same bytes.
