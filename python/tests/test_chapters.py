@@ -1,5 +1,6 @@
 """Decimation, curves, unions, plants, textures."""
 
+import pickle
 import warnings
 
 import numpy as np
@@ -76,7 +77,8 @@ def test_metrics_know_shapes_that_deformations_hide(tmp_path):
     # The nearest spectrum by Euclidean distance may be that of the other shape.
     assert np.linalg.norm(queries[0] - spectra, axis=1).argmin() >= 4
     metric.save(tmp_path / "m.json")
-    for copy in (catamaran.RetrievalMetric.load(tmp_path / "m.json"), again(metric)):
+    again = pickle.loads(pickle.dumps(metric))
+    for copy in (catamaran.RetrievalMetric.load(tmp_path / "m.json"), again):
         assert np.array_equal(copy.distances(queries, spectra), found)
         assert copy.spectrum == "of tori"
     with pytest.raises(ValueError, match="query: expected 6 x 1, got 5 x 1"):
