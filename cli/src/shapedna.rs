@@ -124,11 +124,15 @@ pub fn run(args: &Args) -> Result<()> {
     }
     drop(bar);
 
-    let listed = match fit {
-        Some(_) => 0,
-        None if args.query.is_some() => 1,
-        None => names.len(),
+    let listed = match (&fit, &args.query) {
+        (Some(_), _) => 0,
+        (None, Some(_)) => 1,
+        (None, None) => names.len(),
     };
+    if let (Some(output), Some(identities)) = (fit, identities) {
+        let zeros = zeros.map_or(0, |(zeros, _)| zeros);
+        write_metric(output, &fitted(&found, &identities, zeros, args)?, names.len())?;
+    }
     // The signatures of queries and of shapes, whose Euclidean distances are those of the metric.
     let (queries, shapes) = match &metric {
         Some(metric) => {
@@ -172,21 +176,24 @@ pub fn run(args: &Args) -> Result<()> {
         }
         written(output, &table)?;
     }
-    if let (Some(output), Some(identities)) = (fit, identities) {
-        let options = MetricOptions::new()
-            .zeros(zeros.map_or(0, |(zeros, _)| zeros))
-            .poses_only(args.poses_only)
-            .spectrum(kind(args));
-        let metric =
-            RetrievalMetric::fit(&found, &identities, &[], &options).map_err(|e| match e {
-                Error::Argument { why, .. } => {
-                    anyhow!("--labels: {}", why.replace("poses_only", "--poses-only"))
-                }
-                other => other.into(),
-            })?;
-        write_metric(output, &metric, names.len())?;
-    }
     Ok(())
+}
+
+/// Fits a metric to signatures with so many zeros, of shapes with these numbers.
+fn fitted(
+    signatures: &[Vec<f64>],
+    identities: &[usize],
+    zeros: usize,
+    args: &Args,
+) -> Result<RetrievalMetric> {
+    let options =
+        MetricOptions::new().zeros(zeros).poses_only(args.poses_only).spectrum(kind(args));
+    RetrievalMetric::fit(signatures, identities, &[], &options).map_err(|e| match e {
+        Error::Argument { why, .. } => {
+            anyhow!("--labels: {}", why.replace("poses_only", "--poses-only"))
+        }
+        other => other.into(),
+    })
 }
 
 /// Returns what the signatures are, as files of metrics say it.

@@ -476,7 +476,8 @@ fn inverse_factor(mut matrix: Mat<f64>) -> Result<Option<Mat<f64>>> {
     }
     let mut inverse = Mat::<f64>::identity(matrix.nrows(), matrix.nrows());
     dense::lower_solve_in_place(matrix.as_ref(), inverse.as_mut());
-    let is_finite = (0..inverse.ncols()).all(|j| inverse.col(j).iter().all(|x| x.is_finite()));
+    let n = inverse.nrows();
+    let is_finite = (0..n * n).all(|at| inverse[(at / n, at % n)].is_finite());
     Ok(is_finite.then_some(inverse))
 }
 
