@@ -77,17 +77,16 @@ pub struct RetrievalMetric {
 impl RetrievalMetric {
     /// Fits a metric to spectra of k eigenvalues, of shapes with these identities, some of which
     /// have several poses, and to errors of predictions for such shapes: the logarithms of the
-    /// k - `zeros` last predicted eigenvalues minus those of the true ones.
-    /// For queries with true spectra, there are no errors.
+    /// k - `zeros` last predicted eigenvalues minus those of the true ones. For queries with true
+    /// spectra, there are no errors.
     ///
     /// With p = k - zeros logarithms, 2 p + 3 identities are necessary, and several times as many
     /// are better: the inverse of a covariance that is estimated from n identities is too large by
     /// the factor `(n - 1) / (n - p - 2)` on average (mean of the inverse Wishart distribution),
     /// which is 2 for this number. Estimated from fewer, it makes new identities seem impossible,
-    /// and Euclidean distances give better results. With
-    /// `poses_only` this covariance is not used. Without errors, the
-    /// poses that their identities have beside the first one must be p at least, and better several
-    /// times as many; fewer do not determine the covariance of poses.
+    /// and Euclidean distances give better results. With `poses_only` this covariance is not used.
+    /// Without errors, the poses that identities have beside their first ones must be p at least,
+    /// and better several times as many; fewer do not determine the covariance of poses.
     ///
     /// # Errors
     /// [`Error::Argument`] for options out of their ranges, for fewer identities and poses, with
