@@ -13,7 +13,7 @@ use crate::parse::levels;
 use crate::tables::MatrixFile;
 
 /// The arguments whose files are written, in any command. The files of all others are inputs.
-const OUTPUTS: [&str; 20] = [
+const OUTPUTS: [&str; 21] = [
     "accumulator",
     "cells",
     "checkpoint",
@@ -21,6 +21,7 @@ const OUTPUTS: [&str; 20] = [
     "coverage",
     "cut",
     "distances",
+    "fit_metric",
     "heights",
     "output",
     "paint",

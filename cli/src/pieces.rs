@@ -61,6 +61,12 @@ impl<'a> Pieces<'a> {
         self.count
     }
 
+    /// Returns the number of components that are not held at zero anywhere, each with an eigenvalue
+    /// zero.
+    pub fn free(&self) -> usize {
+        self.free
+    }
+
     /// Prints a note where the spectrum is not that of one surface with its boundary condition, and
     /// where vertices are in no face.
     pub fn note(&self) {

@@ -45,6 +45,8 @@ pub const OPTIONS: &[(&str, &[catamaran::base::Field])] = &[
     ("curve::CurveOptions", curve::CurveOptions::FIELDS),
     #[cfg(feature = "unions")]
     ("unions::ShapeDnaOptions", unions::ShapeDnaOptions::FIELDS),
+    #[cfg(feature = "unions")]
+    ("unions::MetricOptions", unions::MetricOptions::FIELDS),
 ];
 
 #[cfg(all(test, debug_assertions, feature = "unions"))]

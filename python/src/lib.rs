@@ -100,7 +100,9 @@ mod _catamaran {
     #[pymodule_export]
     use crate::texture::{newton, slime};
     #[pymodule_export]
-    use crate::unions::{interpolate_spectra, locate_union, shape_dna, union_spectrum};
+    use crate::unions::{
+        MetricHandle, interpolate_spectra, locate_union, shape_dna, union_spectrum,
+    };
     #[pymodule_export]
     use crate::verify::verify;
 

@@ -1,15 +1,19 @@
 //! Signatures of shapes, and spectra of unions of parts.
 
+use std::io::Write as _;
 use std::path::PathBuf;
 
 use catamaran::base::FloatEnv;
+use catamaran::io::{Output, Overwrite};
 use catamaran_geometry::mesh::{Boundary, LaplacianOptions};
 use catamaran_geometry::unions::{
-    K, PartSpectra, ShapeDnaOptions, SpectralUnion, interpolate, shape_dna as signature,
+    K, MetricOptions, PartSpectra, RetrievalMetric, ShapeDnaOptions, SpectralUnion, interpolate,
+    shape_dna as signature,
 };
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 
-use crate::array::{Array, from_vec};
+use crate::array::{Array, from_matrix, from_vec};
 use crate::error::exception;
 use crate::mesh::mesh;
 use crate::options::{Threads, laplacian_kind, par};
@@ -38,6 +42,101 @@ pub fn shape_dna<'py>(
         Ok::<_, catamaran::Error>((signature(&surface.mesh, &options.progress(progress))?, pieces))
     })?;
     Ok((from_vec(py, found).into_any(), pieces))
+}
+
+/// A metric for retrieval; see `catamaran.RetrievalMetric`.
+#[pyclass(frozen, module = "catamaran._catamaran")]
+pub struct MetricHandle {
+    metric: RetrievalMetric,
+}
+
+/// The rows of a matrix.
+fn rows(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<Vec<f64>>> {
+    let array = Array::<f64>::new(name, object, &[2])?;
+    let view = array.view();
+    let row = |i: usize| (0..view.ncols()).map(|j| view[(i, j)]).collect();
+    Ok((0..view.nrows()).map(row).collect())
+}
+
+#[pymethods]
+impl MetricHandle {
+    #[new]
+    #[pyo3(signature = (
+        spectra, identities, errors, zeros, scale_free, shrinkage, poses_only, spectrum
+    ))]
+    fn new(
+        py: Python<'_>,
+        spectra: &Bound<'_, PyAny>,
+        identities: Vec<usize>,
+        errors: Option<&Bound<'_, PyAny>>,
+        zeros: usize,
+        scale_free: bool,
+        shrinkage: f64,
+        poses_only: bool,
+        spectrum: String,
+    ) -> PyResult<Self> {
+        let spectra = rows("spectra", spectra)?;
+        let errors = errors.map(|errors| rows("errors", errors)).transpose()?.unwrap_or_default();
+        let options = MetricOptions::new()
+            .zeros(zeros)
+            .scale_free(scale_free)
+            .shrinkage(shrinkage)
+            .poses_only(poses_only)
+            .spectrum(spectrum);
+        let metric = run(py, Length::Long, None, move |_| {
+            RetrievalMetric::fit(&spectra, &identities, &errors, &options)
+        })?;
+        Ok(Self { metric })
+    }
+
+    /// The metric of the bytes of a file.
+    #[staticmethod]
+    fn from_bytes(content: &[u8]) -> PyResult<Self> {
+        let metric = RetrievalMetric::from_bytes(content).map_err(exception)?;
+        Ok(Self { metric })
+    }
+
+    #[staticmethod]
+    fn read(path: PathBuf) -> PyResult<Self> {
+        let metric = RetrievalMetric::read(&path).map_err(exception)?;
+        Ok(Self { metric })
+    }
+
+    fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        Ok(PyBytes::new(py, &self.metric.to_bytes().map_err(exception)?))
+    }
+
+    fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let metric = &self.metric;
+        run(py, Length::Long, None, move |_| {
+            let mut output = Output::create(&path, Overwrite::Replace)?;
+            output.write_all(&metric.to_bytes()?).map_err(|e| output.error(e))?;
+            output.commit()
+        })
+    }
+
+    /// A row of distances for each query.
+    fn distances<'py>(
+        &self,
+        py: Python<'py>,
+        queries: &Bound<'py, PyAny>,
+        shapes: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (metric, queries, shapes) =
+            (&self.metric, rows("queries", queries)?, rows("shapes", shapes)?);
+        let found = run(py, Length::Long, None, move |_| metric.distances(&queries, &shapes))?;
+        Ok(from_matrix(py, found.as_ref())?.into_any())
+    }
+
+    #[getter]
+    fn k(&self) -> usize {
+        self.metric.k()
+    }
+
+    #[getter]
+    fn spectrum(&self) -> &str {
+        self.metric.spectrum()
+    }
 }
 
 /// A part: its spectrum, or the mesh that it is of.

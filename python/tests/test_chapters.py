@@ -1,6 +1,7 @@
 """Decimation, curves, unions, plants, textures."""
 
 import os
+import pickle
 import warnings
 
 import numpy as np
@@ -57,6 +58,35 @@ def test_signatures_know_poses():
     one, bent, other = shapes.figure(16), shapes.figure(16, 0.6), shapes.torus()
     dna = [catamaran.shape_dna(*mesh, 10) for mesh in (one, bent, other)]
     assert np.linalg.norm(dna[0] - dna[1]) < 0.2 * np.linalg.norm(dna[0] - dna[2])
+
+
+def test_metrics_know_shapes_that_deformations_hide(tmp_path):
+    def dna(radius, factor):
+        v, f = shapes.torus(24, 12, 2.0, radius)
+        return catamaran.shape_dna(v * [1, 1, factor], f, 6)
+
+    factors = (0.8, 0.95, 1.1, 1.25)
+    spectra = [dna(radius, factor) for radius in (0.6, 0.68) for factor in factors]
+    names = ["thin"] * 4 + ["thick"] * 4
+    with pytest.raises(ValueError, match="at least 13 identities, are of 2"):
+        catamaran.RetrievalMetric.fit(spectra, names)
+    metric = catamaran.RetrievalMetric.fit(spectra, names, poses_only=True, spectrum="of tori")
+    queries = [dna(0.6, 1.18), dna(0.68, 0.9)]
+    found = metric.distances(queries, spectra)
+    assert found.shape == (2, 8) and metric.k == 6
+    assert found[0, :4].max() < found[0, 4:].min() and found[1, 4:].max() < found[1, :4].min()
+    # The nearest spectrum by Euclidean distance may be that of the other shape.
+    assert np.linalg.norm(queries[0] - spectra, axis=1).argmin() >= 4
+    metric.save(tmp_path / "m.json")
+    again = pickle.loads(pickle.dumps(metric))
+    for copy in (catamaran.RetrievalMetric.load(tmp_path / "m.json"), again):
+        assert np.array_equal(copy.distances(queries, spectra), found)
+        assert copy.spectrum == "of tori"
+    with pytest.raises(ValueError, match="query: expected 6 x 1, got 5 x 1"):
+        metric.distances([queries[0][:5]], spectra)
+    (tmp_path / "m.json").write_text("{}")
+    with pytest.raises(OSError, match="not a metric"):
+        catamaran.RetrievalMetric.load(tmp_path / "m.json")
 
 
 def test_unions_obey_domain_monotonicity():

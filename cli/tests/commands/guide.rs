@@ -30,6 +30,14 @@ fn folder() -> Folder {
         put(name, families::icosphere(level).unwrap());
     }
     put("c.ply", families::torus(20, 12, 1.0, 0.5).unwrap());
+    for (name, radius, factor) in
+        [("ann1", 0.5, 0.8), ("ann2", 0.5, 1.2), ("bob1", 0.6, 0.8), ("bob2", 0.6, 1.2)]
+    {
+        let mesh = families::torus(20, 12, 2.0, radius).unwrap();
+        let vertices = mesh.vertices().iter().map(|&[x, y, z]| [x, y, factor * z]).collect();
+        put(&format!("{name}.ply"), TriMesh::new(vertices, mesh.faces().to_vec()).unwrap());
+    }
+    folder.write("labels.txt", "ann\nann\nbob\nbob\n");
     put("top.ply", families::grid(16, 10).unwrap());
     put("bottom.ply", families::grid(10, 14).unwrap());
     folder

@@ -119,6 +119,105 @@ fn what_a_reader_leaves_out_is_noted() {
     assert!(refused.contains("facets with two equal corners: 1 (--strict)"), "{refused}");
 }
 
+/// A torus with a tube of this radius, stretched along its axis.
+fn stretched(radius: f64, factor: f64) -> TriMesh {
+    let mesh = families::torus(24, 12, 2.0, radius).unwrap();
+    let vertices = mesh.vertices().iter().map(|&[x, y, z]| [x, y, factor * z]).collect();
+    TriMesh::new(vertices, mesh.faces().to_vec()).unwrap()
+}
+
+/// Two shapes, each stretched four times, their labels, and another one of each.
+fn shapes() -> Folder {
+    let folder = Folder::new();
+    let mut labels = String::new();
+    for (shape, radius, query) in [("thin", 0.6, 1.18), ("thick", 0.68, 0.9)] {
+        for (i, factor) in [0.8, 0.95, 1.1, 1.25].into_iter().enumerate() {
+            write(&folder, &format!("{shape}{i}.off"), stretched(radius, factor));
+            labels += &format!("{shape}\n");
+        }
+        write(&folder, &format!("{shape}.off"), stretched(radius, query));
+    }
+    folder.write("labels.txt", labels);
+    folder
+}
+
+/// The meshes of [`shapes`] in the order of their labels.
+const ALL: &str = "thin0.off thin1.off thin2.off thin3.off thick0.off thick1.off thick2.off \
+                   thick3.off";
+
+#[test]
+fn a_fitted_metric_finds_the_shape_that_deformations_hide() {
+    let folder = shapes();
+    let fit = format!("shapedna {ALL} -k 6 --labels labels.txt --fit-metric");
+    let said = folder.succeed(&format!("{fit} m.json --poses-only"));
+    assert!(said.contains("m.json: fitted to 8 meshes, 6 eigenvalues"), "{said}");
+    assert_eq!(said.lines().count(), 1, "{said}");
+    for shape in ["thin", "thick"] {
+        let search = format!("shapedna {ALL} --query {shape}.off -k 6");
+        let nearest = |said: &str| {
+            let lines = said.lines().skip(1).map(|line| line.split(' ').next_back().unwrap());
+            lines.map(str::to_owned).collect::<Vec<_>>()
+        };
+        let found = nearest(&folder.succeed(&format!("{search} --metric m.json --nearest 4")));
+        assert_eq!(found.len(), 4);
+        assert!(found.iter().all(|name| name.starts_with(shape)), "{shape}: {found:?}");
+        // Without the metric, the nearest mesh may be the other shape.
+        let euclidean = nearest(&folder.succeed(&format!("{search} --nearest 4")));
+        assert!(!euclidean.iter().all(|name| name.starts_with(shape)), "{shape}: {euclidean:?}");
+    }
+    let table = format!("shapedna {ALL} -k 6 --metric m.json --distances d.csv --nearest 0");
+    folder.succeed(&table);
+    let rows = std::fs::read_to_string(folder.path("d.csv")).unwrap();
+    assert_eq!(rows.lines().count(), 8);
+}
+
+#[test]
+fn a_metric_is_for_signatures_of_its_kind() {
+    let folder = shapes();
+    let fit = format!("shapedna {ALL} -k 6 --labels labels.txt --fit-metric m.json --poses-only");
+    folder.succeed(&fit);
+    let search = "shapedna thin.off thick.off --metric m.json";
+    let refused = folder.fail(search);
+    assert!(refused.contains("m.json: compares 6 eigenvalues, not 20: give -k 6"), "{refused}");
+    for option in ["--sized", "--dirichlet"] {
+        let refused = folder.fail(&format!("{search} -k 6 {option}"));
+        assert!(refused.contains("m.json: was fitted to \"Neumann eigenvalues"), "{refused}");
+    }
+    write(&folder, "two.off", families::spheres(2, 1).unwrap());
+    let refused = folder.fail("shapedna thin.off two.off --metric m.json -k 6");
+    let says = "two.off: has 2 eigenvalues zero, the metric has 1";
+    assert!(refused.contains(says), "{refused}");
+    let text = std::fs::read_to_string(folder.path("m.json")).unwrap();
+    folder.write("newer.json", text.replace("\"version\": 1", "\"version\": 2"));
+    folder.write("half.json", &text[..text.len() / 2]);
+    for (name, says) in [("newer.json", "has version 2"), ("half.json", "not a metric")] {
+        let refused = folder.fail(&format!("shapedna thin.off thick.off -k 6 --metric {name}"));
+        assert!(refused.contains(name) && refused.contains(says), "{refused}");
+    }
+}
+
+#[test]
+fn metrics_of_few_shapes_and_wrong_labels_are_refused() {
+    let folder = shapes();
+    let fit = format!("shapedna {ALL} --fit-metric m.json --labels labels.txt");
+    let refused = folder.fail(&format!("{fit} -k 6"));
+    assert!(refused.contains("--labels: ") && refused.contains("--poses-only"), "{refused}");
+    assert!(refused.contains("at least 13 identities, are of 2"), "{refused}");
+    let refused = folder.fail(&format!("{fit} -k 8 --poses-only"));
+    assert!(refused.contains("at least 7 poses beside their first ones, have 6"), "{refused}");
+    folder.write("few.txt", "a\nb\n");
+    folder.write("blank.txt", "a\n\nb\n");
+    for (labels, says) in [
+        ("few.txt", "few.txt: must have a line for each of the 8 meshes, has 2"),
+        ("blank.txt", "blank.txt:2: names no shape"),
+    ] {
+        let refused = folder.fail(&format!("shapedna {ALL} --fit-metric m.json --labels {labels}"));
+        assert!(refused.contains(says), "{refused}");
+    }
+    let refused = folder.fail(&format!("shapedna {ALL} --fit-metric m.csv --labels labels.txt"));
+    assert!(refused.contains("m.csv: the name must end in .json"), "{refused}");
+}
+
 #[test]
 fn a_data_set_is_the_same_bytes_for_any_number_of_threads() {
     let folder = Folder::new();

@@ -5,6 +5,7 @@
 
 mod features;
 mod localizer;
+mod metric;
 mod model;
 pub mod network;
 mod ood;
@@ -17,6 +18,7 @@ mod tests;
 
 pub use features::PartFeatures;
 pub use localizer::{Localizer, LocalizerOn};
+pub use metric::{MetricOptions, RetrievalMetric};
 pub use model::{Scaling, SpectralUnion};
 pub use network::K;
 pub use ood::OodDetector;

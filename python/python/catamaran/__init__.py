@@ -63,7 +63,14 @@ from ._surface import Mesh, Part, Refined
 from ._tables import Table, read
 from ._texture import Fractal, Slime, newton, slime
 from ._threadpool import register
-from ._unions import UnionSpectrum, interpolate_spectra, locate_union, shape_dna, union_spectrum
+from ._unions import (
+    RetrievalMetric,
+    UnionSpectrum,
+    interpolate_spectra,
+    locate_union,
+    shape_dna,
+    union_spectrum,
+)
 
 warn_of_other()
 register()
@@ -99,6 +106,7 @@ __all__ = [
     "Quality",
     "Refined",
     "Repaired",
+    "RetrievalMetric",
     "SVD",
     "ShapeFromSpectrum",
     "ShortestPath",

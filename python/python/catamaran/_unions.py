@@ -13,7 +13,14 @@ from ._options import Progress, callback, warn_of_pieces
 from ._surface import mesh_arrays, takes_mesh
 from ._words import Kind
 
-__all__ = ["UnionSpectrum", "interpolate_spectra", "locate_union", "shape_dna", "union_spectrum"]
+__all__ = [
+    "RetrievalMetric",
+    "UnionSpectrum",
+    "interpolate_spectra",
+    "locate_union",
+    "shape_dna",
+    "union_spectrum",
+]
 
 
 @takes_mesh
@@ -66,6 +73,131 @@ def shape_dna(
     )
     warn_of_pieces(pieces, dirichlet=False, shifted=False, name="")
     return values
+
+
+class RetrievalMetric:
+    """A distance between spectra that is small for two poses of one shape, as `fit` makes it.
+
+    It is the Mahalanobis distance of the logarithms of eigenvalues, given the covariances of poses,
+    of shapes and of errors of predicted queries (docs/algorithms/unions.md).
+    """
+
+    def __init__(self, handle: _catamaran.MetricHandle) -> None:
+        self._handle = handle
+
+    @classmethod
+    def fit(
+        cls,
+        spectra: ArrayLike,
+        identities: Sequence[Any],
+        *,
+        errors: Optional[ArrayLike] = None,
+        zeros: int = 1,
+        scale_free: bool = False,
+        shrinkage: float = 0.5,
+        poses_only: bool = False,
+        spectrum: str = "",
+    ) -> RetrievalMetric:
+        """Fit a metric to spectra of shapes, some of which have several poses.
+
+        Parameters
+        ----------
+        spectra : array_like, a row of k eigenvalues for each shape in a pose
+            As `shape_dna` returns them.
+        identities : sequence
+            The name or number of the shape of each row.
+        errors : array_like, a row of k - zeros numbers for each prediction, optional
+            Logarithms of the last predicted eigenvalues minus those of the true ones, where queries
+            are predicted spectra.
+        zeros : int
+            Eigenvalues at the start of each spectrum that are zero and left out: one for each
+            component without a vertex that is held at zero.
+        scale_free : bool
+            Whether shapes that differ only in size count as the same.
+        shrinkage : float
+            Share of the covariance of errors, from 0 to 1, that is replaced by their mean variance.
+        poses_only : bool
+            Whether the differences of shapes are taken as much larger than those of poses, instead
+            of estimated.
+        spectrum : str
+            What the eigenvalues are, in words that the file of the metric keeps.
+
+        Returns
+        -------
+        RetrievalMetric
+
+        Raises
+        ------
+        ValueError
+            For fewer than 2 p + 3 shapes, where p = k - zeros, unless `poses_only`: the covariance
+            of fewer makes new shapes seem impossible. Without errors, shapes need p poses beside
+            the first one of each.
+
+        Examples
+        --------
+        >>> import catamaran
+        >>> spectra = [[0, 2, 5], [0, 2.02, 6], [0, 3, 5.5], [0, 3.01, 7]]
+        >>> metric = catamaran.RetrievalMetric.fit(spectra, ["a", "a", "b", "b"], poses_only=True)
+        >>> int(metric.distances([[0, 2.01, 7]], spectra).argmin()) < 2
+        True
+        """
+        numbers = np.unique(np.asarray(identities), return_inverse=True)[1]
+        handle = _catamaran.MetricHandle(
+            spectra,
+            numbers.ravel().tolist(),
+            errors,
+            zeros,
+            scale_free,
+            shrinkage,
+            poses_only,
+            spectrum,
+        )
+        return cls(handle)
+
+    @classmethod
+    def load(cls, path: Union[str, os.PathLike[str]]) -> RetrievalMetric:
+        """Read a metric that `save` or ``catamaran shapedna --fit-metric`` wrote."""
+        return cls(_catamaran.MetricHandle.read(path))
+
+    def save(self, path: Union[str, os.PathLike[str]]) -> None:
+        """Write the metric to a file in JSON, which is replaced if it exists."""
+        self._handle.write(path)
+
+    def distances(self, queries: ArrayLike, shapes: ArrayLike) -> NDArray[np.float64]:
+        """Compute the distance of each query from each shape.
+
+        Parameters
+        ----------
+        queries, shapes : array_like, a row of k eigenvalues for each
+
+        Returns
+        -------
+        ndarray, a row for each query and a column for each shape
+            About the square root of k - zeros where both are poses of one shape. A distance is not
+            that of the two in exchanged roles.
+        """
+        return self._handle.distances(queries, shapes)
+
+    @property
+    def k(self) -> int:
+        """Number of eigenvalues of the spectra."""
+        return self._handle.k
+
+    @property
+    def spectrum(self) -> str:
+        """What the eigenvalues are, in the words of `fit`."""
+        return self._handle.spectrum
+
+    def __repr__(self) -> str:
+        return f"RetrievalMetric(k={self.k}, spectrum={self.spectrum!r})"
+
+    def __reduce__(self) -> Tuple[Any, ...]:
+        return _metric_of, (self._handle.to_bytes(),)
+
+
+def _metric_of(content: bytes) -> RetrievalMetric:
+    """Return the metric of the bytes of a file."""
+    return RetrievalMetric(_catamaran.MetricHandle.from_bytes(content))
 
 
 class UnionSpectrum(NamedTuple):

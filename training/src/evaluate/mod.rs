@@ -3,7 +3,6 @@
 
 mod baselines;
 mod body_cuts;
-mod metric;
 mod metrics;
 mod oracle;
 mod real;
@@ -14,9 +13,8 @@ mod warning;
 
 pub use baselines::{Minimum, Nearest, Perceptron, Weyl};
 pub use body_cuts::{BODY_CUTS, BodyCut, Frame, body_pairs};
-pub use metric::{Logs, MetricOptions, RetrievalMetric, logarithms};
 pub use metrics::{Associativity, Errors, Predictor, associativity, errors, select};
-pub use oracle::{Disturbance, ErrorModel, errors_by_index};
+pub use oracle::{Disturbance, ErrorModel, Logs, errors_by_index};
 pub use real::{REAL_SHAPES, RealShape};
 pub use regions::{Localization, localization};
 pub use retrieval::{Gallery, Query, Retrieval};

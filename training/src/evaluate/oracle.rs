@@ -1,11 +1,15 @@
 use catamaran::base::Rng;
-use catamaran::faer::Mat;
+use catamaran::faer::{Mat, Side};
 use catamaran::{Error, Result};
 
-use super::metric::{cholesky, covariance, diagonal, difference, mean, product};
 use super::retrieval::Query;
-use super::{Logs, logarithms};
 use crate::dataset::{EIGENVALUES, Spectrum};
+
+const LOGS: usize = EIGENVALUES - 1;
+
+/// Logarithms of the eigenvalues 2 to 20, or their errors. The first eigenvalue of a closed shape
+/// is 0, so it is left out.
+pub type Logs = [f64; LOGS];
 
 /// The errors of the logarithms of eigenvalues 2 to 20, as a normal distribution.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,16 +32,20 @@ impl ErrorModel {
         if samples.is_empty() {
             return Err(refuse("must not be empty"));
         }
-        let mean = mean(samples);
-        let covariance = covariance(samples, &mean) + diagonal(LEAST_VARIANCE);
-        let factor = cholesky(&covariance).ok_or_else(|| refuse("not finite"))?;
-        Ok(Self { mean, factor })
+        let count = samples.len() as f64;
+        let mean: Logs = std::array::from_fn(|i| samples.iter().map(|x| x[i]).sum::<f64>() / count);
+        let covariance = Mat::from_fn(LOGS, LOGS, |i, j| {
+            let sum: f64 = samples.iter().map(|x| (x[i] - mean[i]) * (x[j] - mean[j])).sum();
+            sum / count + if i == j { LEAST_VARIANCE } else { 0.0 }
+        });
+        let factor = covariance.llt(Side::Lower).map_err(|_| refuse("not finite"))?;
+        Ok(Self { mean, factor: factor.L().to_owned() })
     }
 
     fn draw(&self, rng: &mut Rng) -> Logs {
         let normal: Logs = std::array::from_fn(|_| rng.normal());
-        let deviation = product(&self.factor, &normal);
-        std::array::from_fn(|i| self.mean[i] + deviation[i])
+        let deviation = |i: usize| (0..LOGS).map(|j| self.factor[(i, j)] * normal[j]).sum::<f64>();
+        std::array::from_fn(|i| self.mean[i] + deviation(i))
     }
 }
 
@@ -89,12 +97,12 @@ pub(super) fn with_errors(spectrum: &Spectrum, errors: &Logs, factor: f64) -> Sp
 
 /// Computes the errors of the logarithms of a spectrum.
 pub(super) fn log_errors(found: &Spectrum, truth: &Spectrum) -> Logs {
-    difference(&logarithms(found), &logarithms(truth))
+    std::array::from_fn(|i| found[i + 1].ln() - truth[i + 1].ln())
 }
 
 /// Computes the mean relative error of each of the eigenvalues 2 to 20.
 pub fn errors_by_index(found: &[Spectrum], truth: &[Spectrum]) -> Logs {
-    let mut sum = [0.0; EIGENVALUES - 1];
+    let mut sum = [0.0; LOGS];
     for (found, truth) in found.iter().zip(truth) {
         for (i, sum) in sum.iter_mut().enumerate() {
             *sum += (found[i + 1] / truth[i + 1] - 1.0).abs();
@@ -138,7 +146,7 @@ mod tests {
     fn a_drift_grows_with_the_eigenvalue() {
         let found = errors(&Disturbance::Drift(0.02));
         for error in &found {
-            for i in 0..EIGENVALUES - 1 {
+            for i in 0..LOGS {
                 let expected = error[EIGENVALUES - 2] * TRUTH[i + 1] / TRUTH[EIGENVALUES - 1];
                 assert!((error[i] - expected).abs() < 1e-12);
             }

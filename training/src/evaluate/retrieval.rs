@@ -72,16 +72,17 @@ impl Gallery {
     /// one with the same identity, as in [`Retrieval::of`].
     ///
     /// # Errors
-    /// Those of [`retrieve`].
+    /// Those of [`retrieve`] and of the signatures.
     pub fn ranks<S: AsRef<[f64]> + Sync>(
         &self,
         queries: &[Query],
-        of_query: impl Fn(&Spectrum) -> S,
-        of_shape: impl Fn(&Spectrum) -> S,
+        of_query: impl Fn(&Spectrum) -> Result<S>,
+        of_shape: impl Fn(&Spectrum) -> Result<S>,
     ) -> Result<Vec<Option<usize>>> {
-        let signatures: Vec<S> = self.0.iter().map(|shape| of_shape(&shape.spectrum)).collect();
+        let signatures: Vec<S> =
+            self.0.iter().map(|shape| of_shape(&shape.spectrum)).collect::<Result<_>>()?;
         let rank = |query: &Query| {
-            let own = of_query(&query.spectrum);
+            let own = of_query(&query.spectrum)?;
             let found = retrieve(own.as_ref(), &signatures, FOUND + 1, Par::Seq)?;
             let is_another =
                 |shape: &&Query| (shape.identity, shape.pose) != (query.identity, query.pose);
@@ -97,7 +98,7 @@ impl Gallery {
     /// # Errors
     /// Those of [`retrieve`].
     pub fn euclidean_ranks(&self, queries: &[Query]) -> Result<Vec<Option<usize>>> {
-        self.ranks(queries, |spectrum| *spectrum, |spectrum| *spectrum)
+        self.ranks(queries, |spectrum| Ok(*spectrum), |spectrum| Ok(*spectrum))
     }
 }
 

@@ -11,7 +11,7 @@ use catamaran_geometry::curve::CurveOptions;
 use catamaran_geometry::decimate::DecimateOptions;
 use catamaran_geometry::mesh::{CloudOptions, HeatOptions, LaplacianOptions, RepairOptions};
 use catamaran_geometry::spectral::{ProductBasisOptions, ShapeOptions};
-use catamaran_geometry::unions::ShapeDnaOptions;
+use catamaran_geometry::unions::{MetricOptions, ShapeDnaOptions};
 use catamaran_simulation::plant::families::GrowthOptions;
 use catamaran_simulation::plant::{
     Elasticity, MotionOptions, RelaxOptions, RodOptions, Stomata, SwayOptions, WaterOptions, Wind,
@@ -77,6 +77,7 @@ fn all() -> Vec<(&'static str, String)> {
         of::<RepairOptions>("RepairOptions"),
         of::<ProductBasisOptions<'_>>("ProductBasisOptions"),
         of::<ShapeDnaOptions<'_>>("ShapeDnaOptions"),
+        of::<MetricOptions>("MetricOptions"),
         of::<ShapeOptions<'_>>("ShapeOptions"),
         of::<DecimateOptions<'_>>("DecimateOptions"),
         of::<CurveOptions<'_>>("CurveOptions"),

@@ -1,9 +1,9 @@
 //! Table 2.4, other distances, and the errors that retrieval tolerates.
 
 use catamaran_bench::Result;
-use catamaran_geometry::unions::SpectralUnion;
+use catamaran_geometry::unions::{MetricOptions, SpectralUnion};
 use catamaran_training::dataset::Dataset;
-use catamaran_training::evaluate::{Disturbance, MetricOptions, Retrieval, RetrievalStudy, Source};
+use catamaran_training::evaluate::{Disturbance, Retrieval, RetrievalStudy, Source};
 
 use super::super::Report;
 use super::{KNOWLEDGE, KNOWN_IDENTITY, SEED};
@@ -22,8 +22,7 @@ const FACTORS: [f64; 3] = [0.25, 0.5, 1.0];
 /// Reports all tables.
 pub fn tables(report: &mut Report, dataset: &Dataset, model: &SpectralUnion) -> Result<()> {
     let study = RetrievalStudy::new(model, dataset)?;
-    let metrics =
-        [false, true].map(|scale_free| MetricOptions { scale_free, ..MetricOptions::default() });
+    let metrics = [false, true].map(|scale_free| MetricOptions::new().scale_free(scale_free));
     table_thesis(report, &study, &metrics)?;
     errors(report, &study);
     table_tolerance(report, &study, &metrics[0])
