@@ -59,13 +59,7 @@ impl PairsMut<'_> {
         count: usize,
         factor: impl Fn(usize) -> DoubleDouble,
     ) {
-        arch().dispatch(Subtraction {
-            hi: &mut *self.hi,
-            lo: &mut *self.lo,
-            x,
-            count,
-            factor,
-        });
+        arch().dispatch(Subtraction { hi: &mut *self.hi, lo: &mut *self.lo, x, count, factor });
     }
 
     /// Subtracts `factor x` for f64.
