@@ -1,16 +1,17 @@
 //! Sums of rows of which many columns are the indicators of factors, read as codes: the products of
-//! numbers as a matrix product, all others by adding at the place of a row's level.
+//! numbers as a matrix product, all others by adding at the place of a row's level, one level of a
+//! factor after another.
 
 use std::ops::Range;
 
 use super::blocks::CodedRows;
 use super::coding::Coding;
-use super::exact::{ExactSums, first_beyond, is_rounded};
+use super::exact::{ExactSums, first_beyond, halves, is_rounded, joined};
 use super::pass::{Pass, for_each_block_of};
 use super::source::RowBlocks;
-use crate::base::{Error, Real, Result, reserved, triangle_len, triangle_rows, widest};
+use crate::base::{Error, Real, Result, repeated, reserved, triangle_len, triangle_rows, widest};
 use crate::blas::BlasReal;
-use crate::kernel::int8::{I256, Integer};
+use crate::kernel::int8::{I256, Integer, WIDE_BITS};
 use crate::product::AtaOptions;
 
 /// Calls [`for_each_block_of`] with rows, or with their coded form.
@@ -35,6 +36,49 @@ pub(super) fn for_each_block_as<'o, T: BlasReal>(
 /// The place of a base, which has no column.
 const BASE: usize = usize::MAX;
 
+/// Groups of columns for each thread: levels have any number of rows.
+const GROUPS: usize = 4;
+
+/// The levels of a factor in the rows of a block.
+struct Levels {
+    /// The columns of the factor.
+    columns: Range<usize>,
+    /// The column of the level of each row, or [`BASE`].
+    places: Vec<usize>,
+    /// The rows that have a column, by level.
+    rows: Vec<usize>,
+    /// Where the rows of each level end.
+    ends: Vec<usize>,
+}
+
+impl Levels {
+    /// Sorts the rows of these places by level.
+    fn new(columns: Range<usize>, places: Vec<usize>) -> Result<Self> {
+        let levels = || places.iter().enumerate().filter(|&(_, &place)| place != BASE);
+        // The beginning of each level, which sorting moves to its end.
+        let mut ends = repeated(0_usize, columns.len())?;
+        levels().for_each(|(_, &place)| ends[place - columns.start] += 1);
+        let mut count = 0_usize;
+        for end in &mut ends {
+            (*end, count) = (count, count + *end);
+        }
+        let mut rows = repeated(0_usize, count)?;
+        for (i, &place) in levels() {
+            let end = &mut ends[place - columns.start];
+            rows[*end] = i;
+            *end += 1;
+        }
+        Ok(Self { columns, places, rows, ends })
+    }
+
+    /// Returns the rows of the level with column j, in their order.
+    fn rows(&self, j: usize) -> &[usize] {
+        let level = j - self.columns.start;
+        let start = if level == 0 { 0 } else { self.ends[level - 1] };
+        &self.rows[start..self.ends[level]]
+    }
+}
+
 impl<T: BlasReal> ExactSums<T, I256> {
     /// Adds a block of `count` coded rows, or subtracts it: the sums become what
     /// [`ExactSums::add`] makes of the whole rows. The entries are overwritten.
@@ -53,7 +97,12 @@ impl<T: BlasReal> ExactSums<T, I256> {
             let index = (at / width, coding.column(at % width));
             return Err(Error::NonFinite { what: "rows", index });
         }
-        let places = self.places(coding, block)?;
+        let par = pass.options.par;
+        let levels = pass.options.on_cores(|| {
+            let of_factor = |f: Range<usize>| self.levels(coding, f.start, block);
+            par.map_blocks(coding.factors.len(), 1, of_factor)
+        });
+        let levels = levels.into_iter().collect::<Result<Vec<_>>>()?;
         for i in 0..count {
             block.copy_within(i * width..i * width + n, i * n);
         }
@@ -67,11 +116,14 @@ impl<T: BlasReal> ExactSums<T, I256> {
         })?;
 
         let factors = [false, true].map(|side| self.grid.factors(side));
-        let units = factors[0].iter().map(|&factors| integer(T::ONE, factors)).collect();
-        let products = Products { coding, block, places, weights, factors, units, subtract };
+        let ones =
+            |side: &Vec<[f64; 2]>| side.iter().map(|&factors| integer(T::ONE, factors)).collect();
+        let ones = [ones(&factors[0]), ones(&factors[1])];
+        let products = Products { coding, block, levels, weights, factors, ones, subtract };
         let (options, ..) = pass.parts();
         let mut rest = &mut self.entries[..];
-        let groups = coding.groups(options.par.threads()).into_iter().map(|columns| {
+        let parts = GROUPS * options.par.threads();
+        let groups = coding.groups(parts).into_iter().map(|columns| {
             let len = triangle_len(columns.end) - triangle_len(columns.start);
             let (entries, others) = std::mem::take(&mut rest).split_at_mut(len);
             rest = others;
@@ -97,13 +149,13 @@ impl<T: BlasReal> ExactSums<T, I256> {
             for (&sum, &j) in own.sums.iter().zip(&coding.numbers) {
                 self.sums[j] = self.sums[j].wrapping_add(sign * sum);
             }
-            products.for_each_level(|i, j| {
-                self.sums[j] = self.sums[j].wrapping_add(sign * products.right(i, T::ONE, j));
+            products.for_each_level(|rows, j| {
+                self.sums[j] = self.sums[j].wrapping_add(sign * products.sum_of_ones(rows, j));
             });
         }
         self.rounded |= own.rounded;
         if !self.rounded {
-            products.for_each_level(|i, j| self.rounded |= products.is_rounded(i, j));
+            products.for_each_level(|rows, j| self.rounded |= products.is_rounded(rows, j));
         }
         for (weight, own) in self.weights.iter_mut().zip(own.weights) {
             *weight = weight.wrapping_add(sign * own);
@@ -115,41 +167,41 @@ impl<T: BlasReal> ExactSums<T, I256> {
         Ok(())
     }
 
-    /// Returns for each factor the column of the level of each row, or [`BASE`].
-    fn places(&self, coding: &Coding, block: &[T]) -> Result<Vec<Vec<usize>>> {
-        let (n, width) = (coding.numbers.len(), coding.width());
-        let of_factor = |(f, columns): (usize, &Range<usize>)| {
-            let mut places = reserved(block.len() / width)?;
-            for row in block.chunks_exact(width) {
-                let code = row[n + f].to_f64() as usize;
-                if code > columns.len() {
-                    let why = format!("code {code} of a factor of {} columns", columns.len());
-                    return Err(Error::Argument { what: "rows", why });
-                }
-                let place = if code == 0 { BASE } else { columns.start + code - 1 };
-                if code > 0 && self.grid.upper[place] < T::ONE {
-                    return Err(self.beyond(place, 1.0));
-                }
-                places.push(place);
+    /// Returns the levels of factor `f` in coded rows.
+    fn levels(&self, coding: &Coding, f: usize, block: &[T]) -> Result<Levels> {
+        let (n, width, columns) = (coding.numbers.len(), coding.width(), &coding.factors[f]);
+        let mut places = reserved(block.len() / width)?;
+        for row in block.chunks_exact(width) {
+            let code = row[n + f].to_f64() as usize;
+            if code > columns.len() {
+                let why = format!("code {code} of a factor of {} columns", columns.len());
+                return Err(Error::Argument { what: "rows", why });
             }
-            Ok(places)
-        };
-        coding.factors.iter().enumerate().map(of_factor).collect()
+            let place = if code == 0 { BASE } else { columns.start + code - 1 };
+            if code > 0 && self.grid.upper[place] < T::ONE {
+                return Err(self.beyond(place, 1.0));
+            }
+            places.push(place);
+        }
+        Levels::new(columns.clone(), places)
     }
 }
+
+/// Rows whose integers, of a little more than [`WIDE_BITS`] bits, have sums of 128 bits.
+const RUN: usize = 1 << 24;
 
 /// The products of a block that a factor is part of.
 struct Products<'b, T> {
     coding: &'b Coding,
     /// The numbers of the rows, row after row.
     block: &'b [T],
-    /// For each factor the column of the level of each row, or [`BASE`].
-    places: Vec<Vec<usize>>,
+    /// For each factor.
+    levels: Vec<Levels>,
     weights: Option<&'b [T]>,
     /// What entries are multiplied by on the left and the right side, as in a grid.
     factors: [Vec<[f64; 2]>; 2],
-    /// What 1 becomes in each column on the left side: a power of two, or zero.
-    units: Vec<i128>,
+    /// What 1 becomes in each column on the left and the right side: a power of two, or zero.
+    ones: [Vec<i128>; 2],
     subtract: bool,
 }
 
@@ -164,25 +216,37 @@ impl<T: BlasReal> Products<'_, T> {
         }
     }
 
-    /// Adds products of levels with the numbers and levels of columns before them.
+    /// Adds products of levels with the numbers and levels of columns before them: the rows of a
+    /// level have one row of the triangle.
     #[inline(always)]
     fn add_levels(&self, factor: usize, columns: &Range<usize>, entries: &mut [I256]) {
+        const { assert!(WIDE_BITS + 1 + (RUN.ilog2() as i32) < 127) };
         let (n, first) = (self.coding.numbers.len(), triangle_len(columns.start));
         let before = self.coding.numbers.partition_point(|&j| j < columns.start);
         let numbers = &self.coding.numbers[..before];
-        for (i, &k) in self.places[factor].iter().enumerate() {
-            if !columns.contains(&k) {
-                continue;
-            }
+        let mut sums = vec![0_i128; before];
+        for k in columns.clone() {
             let row = &mut entries[triangle_len(k) - first..][..=k];
-            let unit = self.units[k];
-            for (&x, &j) in self.block[i * n..].iter().zip(numbers) {
-                self.add_to(&mut row[j], times(unit, self.right(i, x, j)));
-            }
-            for places in &self.places[..=factor] {
-                if let Some(entry) = row.get_mut(places[i]) {
-                    self.add_to(entry, times(unit, self.right(i, T::ONE, places[i])));
+            let unit = self.ones[0][k];
+            for rows in self.levels[factor].rows(k).chunks(RUN) {
+                sums.fill(0);
+                for &i in rows {
+                    let terms = self.block[i * n..].iter().zip(numbers);
+                    for (sum, (&x, &j)) in sums.iter_mut().zip(terms) {
+                        *sum += self.right(i, x, j);
+                    }
                 }
+                for (&sum, &j) in sums.iter().zip(numbers) {
+                    self.add_to(&mut row[j], times(unit, sum));
+                }
+                for Levels { places, .. } in &self.levels[..factor] {
+                    for &i in rows {
+                        if let Some(entry) = row.get_mut(places[i]) {
+                            self.add_to(entry, times(unit, self.one(i, places[i])));
+                        }
+                    }
+                }
+                self.add_to(&mut row[k], times(unit, self.sum_of_ones(rows, k)));
             }
         }
     }
@@ -193,29 +257,50 @@ impl<T: BlasReal> Products<'_, T> {
         let (n, first) = (self.coding.numbers.len(), triangle_len(columns.start));
         let skipped = self.coding.numbers.partition_point(|&j| j < columns.start);
         let count = self.coding.factors.partition_point(|factor| factor.start < columns.start);
-        let places = &self.places[..count];
-        if places.is_empty() {
+        let levels = &self.levels[..count];
+        if levels.is_empty() {
             return;
         }
         for (i, row) in self.block.chunks_exact(n).enumerate() {
             for (&x, j) in row[skipped..].iter().zip(columns.clone()) {
                 let left = integer(x, self.factors[0][j]);
                 let row = &mut entries[triangle_len(j) - first..][..=j];
-                for places in places {
+                for Levels { places, .. } in levels {
                     let Some(entry) = row.get_mut(places[i]) else { continue };
-                    let right = self.right(i, T::ONE, places[i]);
-                    // Both have fewer bits than half of the sum.
-                    self.add_to(entry, I256::product(left, right).unwrap_or_default());
+                    let right = self.one(i, places[i]);
+                    let product = match self.weights {
+                        None => times(right, left),
+                        // Both have fewer bits than half of the sum.
+                        Some(_) => I256::product(left, right).unwrap_or_default(),
+                    };
+                    self.add_to(entry, product);
                 }
             }
         }
     }
 
-    /// Calls `work` with each row and the column of each of its levels.
-    fn for_each_level(&self, mut work: impl FnMut(usize, usize)) {
-        for places in &self.places {
-            let levels = places.iter().enumerate().filter(|&(_, &j)| j != BASE);
-            levels.for_each(|(i, &j)| work(i, j));
+    /// Calls `work` with the rows of each level and its column.
+    fn for_each_level(&self, mut work: impl FnMut(&[usize], usize)) {
+        for levels in &self.levels {
+            levels.columns.clone().for_each(|j| work(levels.rows(j), j));
+        }
+    }
+
+    /// Returns the integer that an indicator of row i becomes in column j on the right side.
+    #[inline(always)]
+    fn one(&self, i: usize, j: usize) -> i128 {
+        match self.weights {
+            None => self.ones[1][j],
+            Some(_) => self.right(i, T::ONE, j),
+        }
+    }
+
+    /// Returns the sum of the integers of [`Products::one`] for some rows.
+    #[inline(always)]
+    fn sum_of_ones(&self, rows: &[usize], j: usize) -> i128 {
+        match self.weights {
+            None => self.ones[1][j].wrapping_mul(rows.len() as i128),
+            Some(_) => rows.iter().fold(0, |sum: i128, &i| sum.wrapping_add(self.one(i, j))),
         }
     }
 
@@ -229,11 +314,14 @@ impl<T: BlasReal> Products<'_, T> {
         integer(product, factors) + integer(T::from_f64(rest), factors)
     }
 
-    /// Returns whether the indicator of row i in column j is not on the grid.
-    fn is_rounded(&self, i: usize, j: usize) -> bool {
-        let weight = self.weights.map_or(T::ONE, |weights| weights[i]);
-        is_rounded(&[T::ONE], &self.factors[0][j..=j])
-            || is_rounded(&[weight], &self.factors[1][j..=j])
+    /// Returns whether an indicator of these rows in column j is not on the grid.
+    fn is_rounded(&self, rows: &[usize], j: usize) -> bool {
+        let [left, right] = [0, 1].map(|side| &self.factors[side][j..=j]);
+        let of_weights = || match self.weights {
+            None => is_rounded(&[T::ONE], right),
+            Some(weights) => rows.iter().any(|&i| is_rounded(&weights[i..=i], right)),
+        };
+        !rows.is_empty() && (is_rounded(&[T::ONE], left) || of_weights())
     }
 
     /// Adds a term to a sum, or subtracts it.
@@ -246,7 +334,7 @@ impl<T: BlasReal> Products<'_, T> {
 /// Returns the integer that an entry becomes.
 #[inline(always)]
 fn integer<T: Real>(x: T, [first, second]: [f64; 2]) -> i128 {
-    (x.to_f64() * first * second).round_ties_even() as i128
+    joined(halves(x.to_f64() * first * second))
 }
 
 /// Returns `unit value`, for a unit that is a power of two or zero.
@@ -405,6 +493,54 @@ mod tests {
             &first.finish_extended(Par::Seq).unwrap(),
             &right.finish_extended(Par::Seq).unwrap(),
         );
+    }
+
+    #[test]
+    fn levels_of_no_row_and_of_all_rows_have_the_sums_of_whole_rows() {
+        let (mut table, design, options) = (table(), design(), AtaOptions::new());
+        let weights: Vec<f64> = (0..ROWS).map(|i| (i % 5) as f64 / 3.0).collect();
+        // The base, the first column of the factor, and its last one.
+        for code in [0.0, 1.0, 49.0] {
+            (0..ROWS).for_each(|i| table[(i, 1)] = code);
+            let all = whole(&design, &table);
+            let bound = |x: f64| vec![x; all.ncols()];
+            let bounds = RowBounds::new(bound(-1.0), bound(1.0), 2 * ROWS as u64).unwrap();
+            // Without given weights, those of rows are 1.
+            let weighted = bounds.clone().with_weights(2.0).unwrap();
+            for (bounds, weights) in
+                [(&bounds, None), (&weighted, None), (&weighted, Some(&weights[..]))]
+            {
+                let new = || Accumulator::extended(bounds, true).unwrap();
+                let (mut found, mut right) = (new(), new());
+                for _ in 0..2 {
+                    let mut table = DenseRows(table.as_ref());
+                    let mut rows = CodesOnly(design.rows(&mut table).unwrap());
+                    found.add_rows(&mut rows, weights, &options).unwrap();
+                    right.add_block(all.as_ref(), weights, &options).unwrap();
+                }
+                assert_same(
+                    &found.finish_extended(Par::Seq).unwrap(),
+                    &right.finish_extended(Par::Seq).unwrap(),
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn integers_are_the_nearest_ones() {
+        let mut rng = Rng::new(7);
+        let largest = 2f64.powi(WIDE_BITS);
+        let mut numbers = vec![0.0, -0.0, 0.5, 1.5, 2f64.powi(39), -largest, largest];
+        for _ in 0..10_000 {
+            let size = (f64::from(WIDE_BITS) * rng.uniform()).exp2();
+            numbers.push(rng.normal().clamp(-1.0, 1.0) * size);
+            // Ties beyond 2^40.
+            numbers.push((rng.normal() * 2f64.powi(45)).round() + 0.5);
+            numbers.push((rng.normal() * 2f64.powi(20)).round() * 2f64.powi(39));
+        }
+        for x in numbers {
+            assert_eq!(integer(x, [1.0; 2]), x.round_ties_even() as i128, "{x}");
+        }
     }
 
     #[test]

@@ -20,7 +20,7 @@ use crate::base::{
     Error, Par, Real, Result, repeated, reserved, triangle_len, triangle_rows, widest, zeros,
 };
 use crate::blas::BlasReal;
-use crate::kernel::int8::{I256, Integer, power_of_two, scaled};
+use crate::kernel::int8::{I256, Integer, WIDE_BITS, power_of_two, scaled};
 use crate::product::AtaOptions;
 use crate::product::exact::{Columns, Flags, Signs};
 
@@ -731,27 +731,43 @@ pub(super) fn is_rounded<T: Real>(rows: &[T], factors: &[[f64; 2]]) -> bool {
 fn add_columns<T: Real>(rows: &[T], factors: &[[f64; 2]], sums: &mut [i128]) {
     /// Rows whose sums fit 64 bits.
     const RUN: usize = 16;
-    /// Bits of the lower half of an integer.
-    const HALF: i32 = 40;
     let n = sums.len();
     let mut parts = vec![[0_i64; 2]; n];
-    let (unit, inverse) = (power_of_two(HALF), power_of_two(-HALF));
     for rows in rows.chunks(RUN * n) {
         parts.fill([0; 2]);
         for row in rows.chunks_exact(n) {
             for (([low, high], &x), [first, second]) in parts.iter_mut().zip(row).zip(factors) {
                 // Terms that are not finite are counted by their flags.
                 let x = if x.is_finite() { x.to_f64() } else { 0.0 };
-                let x = x * first * second;
-                let upper = (x * inverse).round_ties_even();
-                *low += (x - upper * unit).round_ties_even() as i64;
-                *high += upper as i64;
+                let [lower, upper] = halves(x * first * second);
+                *low += lower;
+                *high += upper;
             }
         }
-        for (sum, &[low, high]) in sums.iter_mut().zip(&parts) {
-            *sum += i128::from(low) + (i128::from(high) << HALF);
+        for (sum, &parts) in sums.iter_mut().zip(&parts) {
+            *sum += joined(parts);
         }
     }
+}
+
+/// Bits of the lower half of an integer.
+const HALF: i32 = 40;
+
+/// Returns the integer nearest to x (ties to even), of at most [`WIDE_BITS`] bits and a sign, in
+/// two parts: both are short, and a conversion to 128 bits is a call of a function.
+#[inline(always)]
+pub(super) fn halves(x: f64) -> [i64; 2] {
+    const { assert!(WIDE_BITS < HALF + 50) };
+    let upper = (x * power_of_two(-HALF)).round_ties_even();
+    // The lower part is exact before it is rounded, and the upper one is even.
+    let lower = (x - upper * power_of_two(HALF)).round_ties_even();
+    [lower as i64, upper as i64]
+}
+
+/// Returns the integer of these [`halves`], or of sums of them.
+#[inline(always)]
+pub(super) fn joined([lower, upper]: [i64; 2]) -> i128 {
+    i128::from(lower) + (i128::from(upper) << HALF)
 }
 
 fn shifted(values: &[i128], bits: u32) -> Option<Vec<i128>> {

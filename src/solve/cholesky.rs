@@ -2,7 +2,7 @@ use faer::Mat;
 
 use super::columns::{Columns, LANES};
 use super::double::{DoubleDouble, scaled};
-use super::slices::{Pairs, PairsMut};
+use super::slices::{PairColumns, PairsMut};
 use crate::base::{Error, Par, Result, widest, zeros};
 use crate::rows::ExtendedGram;
 
@@ -31,8 +31,8 @@ const TASK: usize = 32;
 /// Operations that a product takes in twice the precision, and the sum with it.
 const SUBTRACTED: f64 = 20.0;
 
-/// Rows of a column that stay in the first-level cache while it is updated.
-const ROWS: usize = 64;
+/// Rows of the columns of a panel that stay in the first-level cache, a multiple of [`LANES`].
+const ROWS: usize = 32;
 
 /// The pivoted Cholesky factor `P^T C P = R^T R` of a Gram matrix `C = A^T A` (n x n) in
 /// double-double: R is that of a QR decomposition of A P.
@@ -200,14 +200,17 @@ impl PivotedCholesky {
     fn eliminate_column(&mut self, first: usize, j: usize, left: &mut Left) {
         let from = j / LANES * LANES;
         let root = left.get(j).sqrt();
+        let (before, mut column, _) = self.lower.around(j, from);
+        let panel = before.starting(0, first);
+        column.subtract(
+            panel.starting(from, 0),
+            j - first,
+            #[inline(always)]
+            |k| panel.get(j, k),
+        );
         widest(
             #[inline(always)]
             || {
-                for k in first..j {
-                    let factor = self.lower.double(j, k);
-                    let (read, mut write) = self.lower.two(k, j, from);
-                    write.subtract(read, factor);
-                }
                 let mut column = self.lower.pairs_mut(j, from);
                 column.normalize();
                 column.scale(DoubleDouble::ONE / root);
@@ -225,6 +228,8 @@ impl PivotedCholesky {
         let [hi, lo] = &mut self.lower.parts;
         let (done_hi, rest_hi) = hi.split_at_mut(end * stride);
         let (done_lo, rest_lo) = lo.split_at_mut(end * stride);
+        let panel = first * stride..end * stride;
+        let panel = PairColumns { hi: &done_hi[panel.clone()], lo: &done_lo[panel], stride };
         let tasks = rest_hi.chunks_mut(TASK * stride).zip(rest_lo.chunks_mut(TASK * stride));
         let operations = SUBTRACTED * (TASK * (stride - end) * (end - first)) as f64;
         par.for_each_asking(tasks, operations, |task, (hi, lo)| {
@@ -238,14 +243,12 @@ impl PivotedCholesky {
                         for (j, (hi, lo)) in columns.enumerate() {
                             let mut rows =
                                 PairsMut { hi: &mut hi[from..to], lo: &mut lo[from..to] };
-                            for k in first..end {
-                                let at = k * stride + start + j;
-                                let factor = DoubleDouble { hi: done_hi[at], lo: done_lo[at] };
-                                let range = k * stride + from..k * stride + to;
-                                let column =
-                                    Pairs { hi: &done_hi[range.clone()], lo: &done_lo[range] };
-                                rows.subtract(column, factor);
-                            }
+                            rows.subtract(
+                                panel.starting(from, 0),
+                                end - first,
+                                #[inline(always)]
+                                |k| panel.get(start + j, k),
+                            );
                             rows.normalize();
                         }
                     }

@@ -1,7 +1,7 @@
 //! Matrices of extended numbers: columns, each part in memory of its own.
 
 use super::double::DoubleDouble;
-use super::slices::{Pairs, PairsMut};
+use super::slices::{PairColumns, Pairs, PairsMut};
 use crate::base::{Result, zeros};
 
 /// Elements that a vector register holds at most: lengths of columns are multiples of them.
@@ -90,22 +90,30 @@ impl Columns<2> {
         PairsMut { hi: &mut hi[range.clone()], lo: &mut lo[range] }
     }
 
-    /// Returns column `read`, and column `write` for writing, from row `from` on;
-    /// `read` and `write` must differ.
+    /// Returns all columns.
     #[inline(always)]
-    pub fn two(&mut self, read: usize, write: usize, from: usize) -> (Pairs<'_>, PairsMut<'_>) {
-        let (stride, middle) = (self.stride, read.max(write) * self.stride);
+    pub fn columns(&self) -> PairColumns<'_> {
+        let [hi, lo] = &self.parts;
+        PairColumns { hi, lo, stride: self.stride }
+    }
+
+    /// Returns the columns before column j, that column from row `from` on, for writing, and the
+    /// columns behind it.
+    #[inline(always)]
+    pub fn around(
+        &mut self,
+        j: usize,
+        from: usize,
+    ) -> (PairColumns<'_>, PairsMut<'_>, PairColumns<'_>) {
+        let stride = self.stride;
         let [hi, lo] = &mut self.parts;
-        let ((hi, next_hi), (lo, next_lo)) = (hi.split_at_mut(middle), lo.split_at_mut(middle));
-        let before = read.min(write) * stride;
-        let before = before + from..before + stride;
-        let after = from..stride;
-        if read < write {
-            let read = Pairs { hi: &hi[before.clone()], lo: &lo[before] };
-            (read, PairsMut { hi: &mut next_hi[after.clone()], lo: &mut next_lo[after] })
-        } else {
-            let read = Pairs { hi: &next_hi[after.clone()], lo: &next_lo[after] };
-            (read, PairsMut { hi: &mut hi[before.clone()], lo: &mut lo[before] })
-        }
+        let ((before_hi, hi), (before_lo, lo)) =
+            (hi.split_at_mut(j * stride), lo.split_at_mut(j * stride));
+        let ((hi, after_hi), (lo, after_lo)) = (hi.split_at_mut(stride), lo.split_at_mut(stride));
+        (
+            PairColumns { hi: before_hi, lo: before_lo, stride },
+            PairsMut { hi: &mut hi[from..], lo: &mut lo[from..] },
+            PairColumns { hi: after_hi, lo: after_lo, stride },
+        )
     }
 }

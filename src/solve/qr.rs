@@ -221,9 +221,12 @@ fn upper_product(
             #[inline(always)]
             || {
                 let mut row = PairsMut { hi, lo };
-                for k in i..n {
-                    row.subtract(right.pairs(k, 0), -left(i, k));
-                }
+                row.subtract(
+                    right.columns().starting(0, i),
+                    n - i,
+                    #[inline(always)]
+                    |k| -left(i, i + k),
+                );
                 row.normalize();
             },
         );

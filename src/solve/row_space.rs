@@ -62,9 +62,12 @@ impl RowSpace {
             || {
                 for i in 0..rank {
                     let mut row = x.pairs_mut(i, 0);
-                    for l in 0..count {
-                        row.subtract(z.pairs(l, 0), self.dependence.double(l, i));
-                    }
+                    row.subtract(
+                        z.columns(),
+                        count,
+                        #[inline(always)]
+                        |l| self.dependence.double(l, i),
+                    );
                     row.normalize();
                 }
             },
@@ -85,9 +88,12 @@ fn add_transposed(to: &mut Columns<2>, s: &Columns<2>, x: &Columns<2>) {
         || {
             for l in 0..to.cols {
                 let mut row = to.pairs_mut(l, 0);
-                for i in 0..s.cols {
-                    row.subtract(x.pairs(i, 0), -s.double(l, i));
-                }
+                row.subtract(
+                    x.columns(),
+                    s.cols,
+                    #[inline(always)]
+                    |i| -s.double(l, i),
+                );
                 row.normalize();
             }
         },

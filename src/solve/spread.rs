@@ -5,7 +5,7 @@ use faer::Mat;
 use super::columns::Columns;
 use super::double::DoubleDouble;
 use super::tails::t_quantile;
-use crate::base::{Error, Result, widest};
+use crate::base::{Error, Result};
 use crate::dense::zeros;
 use crate::rows::ExtendedGram;
 
@@ -55,17 +55,17 @@ impl Spread {
             });
         }
         let mut sum = Columns::<2>::new(rows.rows, 1)?;
-        widest(
+        let mut constant = sum.pairs_mut(0, 0);
+        constant.subtract(
+            rows.columns(),
+            n,
             #[inline(always)]
-            || {
-                let mut constant = sum.pairs_mut(0, 0);
-                for (i, &column) in order.iter().enumerate() {
-                    let [hi, lo] = gram.mean()[column];
-                    constant.subtract(rows.pairs(i, 0), DoubleDouble { hi, lo });
-                }
-                constant.normalize();
+            |i| {
+                let [hi, lo] = gram.mean()[order[i]];
+                DoubleDouble { hi, lo }
             },
         );
+        constant.normalize();
         let constant = sum.col(0, 0)[0][..rows.rows].to_vec();
         let mean = gram.mean()[..n].iter().map(|mean| mean[0]).collect();
         Ok(Self { root, constant, mean, weight: gram.weight() })

@@ -6,20 +6,22 @@ use std::ops::Range;
 use super::cholesky::PivotedCholesky;
 use super::columns::{Columns, LANES};
 use super::double::DoubleDouble;
-use crate::base::{PIECE, Par, Result, widest};
+use crate::base::{Par, Result, widest};
 
-/// Most right-hand sides that one thread works on at a time.
-const BLOCK: usize = 64;
+/// Right-hand sides that one thread works on at a time: as many as the widest registers hold while
+/// products are subtracted. Thousands of rows of so many stay in the second-level cache.
+const BLOCK: usize = 4 * LANES;
+
+/// Rows that are subtracted from others at a time where the factor is read by rows: so many of its
+/// columns are read side by side.
+const SIDE_BY_SIDE: usize = 32;
 
 /// Operations that a product takes in twice the precision, and the difference with it.
 const SUBTRACTED: f64 = 20.0;
 
-/// Returns how many right-hand sides a thread works on at a time, and the operations that it takes,
-/// for this many rows.
-fn block(rows: usize) -> (usize, f64) {
-    let each = 0.5 * SUBTRACTED * (rows * rows).max(1) as f64;
-    let width = ((PIECE as f64 / each) as usize / LANES * LANES).clamp(LANES, BLOCK);
-    (width, width as f64 * each)
+/// Returns the operations that a block of right-hand sides takes, for this many rows.
+fn operations(rows: usize) -> f64 {
+    0.5 * SUBTRACTED * (BLOCK * rows * rows).max(1) as f64
 }
 
 impl PivotedCholesky {
@@ -31,11 +33,19 @@ impl PivotedCholesky {
             par,
             #[inline(always)]
             |x| {
-                for j in 0..self.rank {
-                    self.divide(x, j);
-                    for i in j + 1..self.rank {
-                        let (read, mut write) = x.two(j, i, 0);
-                        write.subtract(read, self.lower.double(i, j));
+                for first in (0..self.rank).step_by(SIDE_BY_SIDE) {
+                    let end = self.rank.min(first + SIDE_BY_SIDE);
+                    for i in first..self.rank {
+                        let (before, mut row, _) = x.around(i, 0);
+                        row.subtract(
+                            before.starting(0, first),
+                            i.min(end) - first,
+                            #[inline(always)]
+                            |k| self.lower.double(i, first + k),
+                        );
+                        if i < end {
+                            self.divide(x, i);
+                        }
                     }
                 }
             },
@@ -56,10 +66,13 @@ impl PivotedCholesky {
     #[inline(always)]
     fn substitute(&self, x: &mut Columns<2>, rows: usize) {
         for j in (0..rows).rev() {
-            for i in j + 1..rows {
-                let (read, mut write) = x.two(i, j, 0);
-                write.subtract(read, self.lower.double(i, j));
-            }
+            let (_, mut row, behind) = x.around(j, 0);
+            row.subtract(
+                behind,
+                rows - j - 1,
+                #[inline(always)]
+                |k| self.lower.double(j + 1 + k, j),
+            );
             self.divide(x, j);
         }
     }
@@ -92,8 +105,7 @@ impl PivotedCholesky {
     /// Returns `R^-1` of the first `rank` rows and columns of the scaled R, by rows.
     pub(super) fn inverse(&self, par: Par) -> Result<Columns<2>> {
         let mut inverse = Columns::new(self.rank, self.rank)?;
-        let (width, operations) = block(self.rank);
-        let blocks = par.map_blocks_asking(self.rank, width, operations, |cols| {
+        let blocks = par.map_blocks_asking(self.rank, BLOCK, operations(self.rank), |cols| {
             let mut x = Columns::new(cols.len(), cols.end)?;
             for j in cols.clone() {
                 x.set_double(j - cols.start, j, DoubleDouble::ONE);
@@ -124,9 +136,7 @@ fn copy_into(x: &mut Columns<2>, block: &Columns<2>, cols: &Range<usize>) {
 
 /// Calls `work` for blocks of right-hand sides.
 fn by_blocks(x: &mut Columns<2>, par: Par, work: impl Fn(&mut Columns<2>) + Sync) -> Result<()> {
-    const { assert!(BLOCK.is_multiple_of(LANES)) };
-    let (width, operations) = block(x.cols);
-    let solved = par.map_blocks_asking(x.rows, width, operations, |cols| {
+    let solved = par.map_blocks_asking(x.rows, BLOCK, operations(x.cols), |cols| {
         let mut block = Columns::new(cols.len(), x.cols)?;
         for (part, from) in block.parts.iter_mut().zip(&x.parts) {
             let from = from.chunks(x.stride);
