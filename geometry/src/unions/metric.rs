@@ -197,12 +197,11 @@ impl RetrievalMetric {
     /// # Errors
     /// As [`of_query`](Self::of_query).
     pub fn distances<S: AsRef<[f64]>>(&self, queries: &[S], shapes: &[S]) -> Result<Mat<f64>> {
-        let all = |spectra: &[S], of: &dyn Fn(usize, &[f64]) -> Result<Vec<f64>>| {
-            let rows = spectra.iter().enumerate();
-            rows.map(|(row, spectrum)| of(row, spectrum.as_ref())).collect::<Result<Vec<_>>>()
-        };
-        let queries = all(queries, &|row: usize, x: &[f64]| self.query(row, x))?;
-        let shapes = all(shapes, &|row: usize, x: &[f64]| self.shape(row, x))?;
+        let numbered = |spectra: &[S]| spectra.iter().map(AsRef::as_ref).enumerate();
+        let queries = numbered(queries).map(|(row, x)| self.query(row, x));
+        let queries = queries.collect::<Result<Vec<_>>>()?;
+        let shapes = numbered(shapes).map(|(row, x)| self.shape(row, x));
+        let shapes = shapes.collect::<Result<Vec<_>>>()?;
         Ok(Mat::from_fn(queries.len(), shapes.len(), |i, j| {
             let pairs = queries[i].iter().zip(&shapes[j]);
             pairs.map(|(x, y)| (x - y) * (x - y)).sum::<f64>().sqrt()
