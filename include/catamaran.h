@@ -1628,8 +1628,8 @@ cata_status cata_mesh_label_surface(const size_t *counts, const double *origin, 
  *   along and around, and a radius; "genus": holes and cells;
  * - "grid": columns and rows; "disk": rings and sectors; "cylinder": vertices around and along,
  *   and its radius and height; "terrain": columns, rows and a seed. */
-cata_status cata_mesh_shape(const char *name, size_t n_counts, const size_t *counts,
-    size_t n_sizes, const double *sizes, cata_mesh_file **file);
+cata_status cata_mesh_shape(const char *name, size_t n_counts, const size_t *counts, size_t n_sizes,
+    const double *sizes, cata_mesh_file **file);
 
 /** @} */
 
@@ -1714,8 +1714,8 @@ cata_status cata_laplacian_areas(size_t n_vertices, const double *vertices, size
 /* ==== Distances ============================================================================= */
 /**
  * @defgroup distances Distances
- * Distances on a mesh: over its surface, by the heat method, and along its edges; paths along
- * edges, and geodesics that they shorten to.
+ * Distances on a mesh: over its surface, exactly or by the heat method, and along its edges; the
+ * shortest paths over faces and along edges, and geodesics that the latter shorten to.
  * @code{.c}
  * double v[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, d[4], length; // a square
  * uint32_t f[] = {0, 1, 3, 1, 2, 3}, source = 0;
@@ -1740,7 +1740,8 @@ cata_status cata_laplacian_areas(size_t n_vertices, const double *vertices, size
 /** A mesh, prepared for the heat method. Made by cata_heat_new; constant. */
 typedef struct cata_heat cata_heat;
 
-/** A path from one vertex to another. Made by cata_distance_path; constant. */
+/** A path from one vertex to another. Made by cata_distance_path and cata_distance_path_exact;
+ * constant. */
 typedef struct cata_path cata_path;
 
 /** How distances are computed. */
@@ -1786,6 +1787,25 @@ cata_status cata_distance_edges(size_t n_vertices, const double *vertices, size_
     const uint32_t *faces, size_t count, const uint32_t *sources, double *distances,
     uint32_t *nearest, uint32_t *before, const cata_distance_params *params);
 
+/** Computes the exact distance of every vertex from the nearest source over the surface, up to
+ * rounding: the length of the shortest path over faces (Mitchell, Mount and Papadimitriou 1987;
+ * Xin and Wang 2009), on the calling thread. Edges may have any number of faces; none may be
+ * without length.
+ * - `count`, `sources`: vertices.
+ * - `distances`: n_vertices elements, written: 0 at sources, INFINITY in components without one.
+ * - `params`: `progress` is used, the rest is only checked. */
+cata_status cata_distance_exact(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, size_t count, const uint32_t *sources, double *distances,
+    const cata_distance_params *params);
+
+/** Finds the shortest path over faces that leads through vertices in their order: from the first to
+ * the last. Without a path, the sizes are 0, and the length is INFINITY.
+ * - `count`, `through`: vertices, at least two.
+ * - `params`: `progress` is used, the rest is only checked. */
+cata_status cata_distance_path_exact(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, size_t count, const uint32_t *through,
+    const cata_distance_params *params, cata_path **path);
+
 /** Finds the shortest path along edges from one vertex to another. Without a path, all sizes are 0,
  * and the length is INFINITY.
  * - `straight`: 1: the path is shortened, over faces, until it is straight but for vertices on the
@@ -1802,10 +1822,16 @@ cata_status cata_path_size(const cata_path *path, size_t *n_vertices, size_t *n_
     double *length);
 
 /** Gets a path; NULL where not wanted.
- * - `vertices`: n_vertices elements, written: those of the path along edges, both ends included.
+ * - `vertices`: n_vertices elements, written: those of the path along edges, both ends included;
+ *   of an exact path those that it was asked to lead through.
  * - `points`: 3 n_points elements, written: where the path goes, the positions of `vertices`
  *   unless it is straight. */
 cata_status cata_path_get(const cata_path *path, uint32_t *vertices, double *points);
+
+/** Gets the points of a path of cata_distance_path_exact as points of faces; NULL where not wanted.
+ * - `faces`: n_points elements, written.
+ * - `weights`: 3 n_points elements, written: barycentric coordinates at the corners of the faces. */
+cata_status cata_path_places(const cata_path *path, uint32_t *faces, double *weights);
 
 void cata_path_free(cata_path *path); /**< Frees a path. */
 

@@ -197,11 +197,10 @@ impl RetrievalMetric {
     /// # Errors
     /// As [`of_query`](Self::of_query).
     pub fn distances<S: AsRef<[f64]>>(&self, queries: &[S], shapes: &[S]) -> Result<Mat<f64>> {
-        let numbered = |spectra: &[S]| spectra.iter().map(AsRef::as_ref).enumerate();
-        let queries = numbered(queries).map(|(row, x)| self.query(row, x));
-        let queries = queries.collect::<Result<Vec<_>>>()?;
-        let shapes = numbered(shapes).map(|(row, x)| self.shape(row, x));
-        let shapes = shapes.collect::<Result<Vec<_>>>()?;
+        let query = |(row, x): (usize, &S)| self.query(row, x.as_ref());
+        let shape = |(row, x): (usize, &S)| self.shape(row, x.as_ref());
+        let queries = queries.iter().enumerate().map(query).collect::<Result<Vec<_>>>()?;
+        let shapes = shapes.iter().enumerate().map(shape).collect::<Result<Vec<_>>>()?;
         Ok(Mat::from_fn(queries.len(), shapes.len(), |i, j| {
             let pairs = queries[i].iter().zip(&shapes[j]);
             pairs.map(|(x, y)| (x - y) * (x - y)).sum::<f64>().sqrt()
