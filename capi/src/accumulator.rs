@@ -238,7 +238,7 @@ pub unsafe extern "C" fn cata_accumulator_merge(
     other: *const cata_accumulator,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: clause `handles` (`other`); it is copied before `accumulator`, which may be the same.
+        // SAFETY: clause `handles` (`other`); it is copied first, as `accumulator` may be the same.
         let others = unsafe { known(other) }?.sum.try_clone()?;
         // SAFETY: clause `handles` (`accumulator`).
         let own = unsafe { known_mut(accumulator) }?;

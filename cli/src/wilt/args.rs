@@ -256,14 +256,15 @@ pub struct Args {
     /// Fit leaves that were cut and dry on a scale, instead of a plant: --fit is then a table of
     /// weights, and this one of the air around them. Columns are those of the R package pvldcurve:
     /// sample, dry.weight, fresh.weight.saturated and fresh.weight in g, leaf.area of one side in
-    /// cm^2, date.and.time, and optionally treatment and fw.plateau; here date.and.time, temperature
-    /// in degrees Celsius and humidity in %. Leaves of a treatment share the conductance of the
-    /// cuticle and the steepness of the closing of stomata.
+    /// cm^2, date.and.time, and optionally treatment and fw.plateau; here date.and.time,
+    /// temperature in degrees Celsius and humidity in %. Leaves of a treatment share the
+    /// conductance of the cuticle and the steepness of the closing of stomata.
     #[arg(
         long,
         value_name = "TABLE",
         value_hint = ValueHint::FilePath,
         requires = "fit",
+        conflicts_with_all = NOT_FITTED,
         conflicts_with_all = NOT_OF_LEAVES
     )]
     weather: Option<TextFile>,
@@ -274,18 +275,29 @@ pub struct Args {
         long,
         value_name = "TABLE",
         value_hint = ValueHint::FilePath,
-        requires = "weather"
+        requires = "weather",
+        conflicts_with_all = NOT_FITTED,
+        conflicts_with_all = NOT_OF_LEAVES
     )]
     pressure_volume: Option<TextFile>,
     /// Leaves of --fit that are not fitted: the model of the others predicts them.
-    #[arg(long, value_name = "SAMPLE,...", value_delimiter = ',', requires = "weather")]
+    #[arg(
+        long,
+        value_name = "SAMPLE,...",
+        value_delimiter = ',',
+        requires = "weather",
+        conflicts_with_all = NOT_FITTED,
+        conflicts_with_all = NOT_OF_LEAVES
+    )]
     unseen: Vec<String>,
-    /// The error of a weight of leaves, in g. Larger differences from the model are warned of.
+    /// The error of a weight of leaves, in g. A warning names larger differences from the model.
     #[arg(
         long,
         value_name = "GRAMS",
         default_value_t = rounded_grams(LeafOptions::default().instrument),
         requires = "weather",
+        conflicts_with_all = NOT_FITTED,
+        conflicts_with_all = NOT_OF_LEAVES,
         value_parser = parse::positive
     )]
     instrument: f64,

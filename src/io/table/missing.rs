@@ -31,11 +31,13 @@ impl MissingWords {
             },
             Some(words) => {
                 let words: Vec<Vec<u8>> = words.iter().map(|word| bytes(word)).collect();
-                let has_numbers = words.iter().any(|word| number::readings(word) != 0);
                 let value = |word: &Vec<u8>| {
                     number::parse(word, PLAIN).or_else(|| number::parse(word, NOTATIONS[1]))
                 };
-                let numbers = words.iter().filter_map(value).collect();
+                let numbers: Vec<f64> =
+                    words.iter().filter_map(value).filter(|value| !value.is_nan()).collect();
+                let has_numbers =
+                    !numbers.is_empty() || words.iter().any(|word| number::readings(word) != 0);
                 Self { words, has_numbers, numbers }
             }
         }

@@ -25,7 +25,7 @@
 //! - **`sums`**: each tile has memory for ROWS x WIDTH scalars, one tile for each that is kept, and
 //!   no other thread uses it. WIDTH is a multiple of LANES.
 //! - **`targets`**: the entries that a target wants lie inside its block, which comes from a
-//!   borrowed `MatMut`, and one thread at a time uses an entry. `schedule` hands out each item once.
+//!   borrowed `MatMut`, and one thread at a time uses an entry: `schedule` hands out an item once.
 //! - **`alignment`**: vectors are loaded and stored at any scalar, except past the caches: `phase`
 //!   packs there, from the start of a cache line on, and only where the rows of a panel are whole
 //!   cache lines, so that each vector is aligned.

@@ -87,7 +87,7 @@ def main():
     frame.write_ipc(HERE / "polars.arrow", compression="zstd")
     index = pd.Index([7 * i for i in ROWS], name="the key")
     frame = pa.Table.from_pandas(pd.DataFrame({"x": [i / 2 for i in ROWS]}, index=index))
-    write("pandas", frame, compression="none", store_schema=False)
+    pq.write_table(frame, HERE / "pandas.parquet", compression="none")
     with pa.ipc.new_file(HERE / "pandas.arrow", frame.schema) as writer:
         writer.write_table(frame)
 

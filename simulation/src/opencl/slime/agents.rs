@@ -52,8 +52,8 @@ impl Agents {
     /// # Safety
     /// The kernel declares them: numbers and triangles of 32 bits, pairs of positions and headings.
     pub(super) unsafe fn set_args(&self, call: &mut ExecuteKernel<'_>) {
-        // SAFETY: by the contract the kernel declares these four, in this order; the buffers have the
-        // lengths that `room` gave them.
+        // SAFETY: by the contract the kernel declares these four, in this order; the buffers have
+        // the lengths that `room` gave them.
         unsafe {
             call.set_arg(&self.ids).set_arg(&self.triangles);
             call.set_arg(&self.positions).set_arg(&self.headings);

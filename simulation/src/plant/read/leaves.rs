@@ -52,7 +52,7 @@ impl LeafGroup {
 /// Reads leaves that dry on a scale, the air around them, and pressure-volume curves of leaves of
 /// the same treatments, as the R package pvldcurve names their columns:
 ///
-/// - `drying`: `sample`, `dry.weight`, `fresh.weight.saturated` and `fresh.weight` in g, `leaf.area`
+/// - `drying`: `sample`, `dry.weight`, `fresh.weight.saturated`, `fresh.weight` in g, `leaf.area`
 ///   of one side in cm^2, `date.and.time` as `2019-03-26 08:48:00`, and optionally `treatment` and
 ///   `fw.plateau`; rows with `yes` there, from before the stomata opened, are left out;
 /// - `air`: `date.and.time`, `temperature` in degrees Celsius, `humidity` in %;
