@@ -152,9 +152,9 @@ void errors() {
 }
 
 void progress() {
-    // Smaller products are done in one piece.
-    std::vector<double> a(300 * 300, 1.0);
-    const auto view = catamaran::row_major(a.data(), 300, 300);
+    // Several pieces, also with a large cache, in which smaller products are done in one.
+    std::vector<double> a(800 * 800, 1.0);
+    const auto view = catamaran::row_major(a.data(), 800, 800);
     int calls = 0;
     catamaran::options how;
     how.threads = 1;

@@ -278,7 +278,8 @@ static int32_t count(double fraction, void *user)
 
 static void test_progress(void)
 {
-    enum { BIG = 200 };
+    // Several pieces, also with a large cache, in which smaller products are done in one.
+    enum { BIG = 800 };
     static double big[BIG * BIG], to[BIG * BIG];
     struct progress progress = {0, 0, 0.0};
     cata_ata_params params = {.struct_size = sizeof params};
@@ -288,7 +289,7 @@ static void test_progress(void)
     params.progress_user = &progress;
     CHECK_STATUS(
         cata_ata_f64(ROW, CATA_LOWER, BIG, BIG, 1.0, big, BIG, 0.0, to, BIG, &params), CATA_OK);
-    CHECK(progress.calls > 4 && fabs(progress.last - 1.0) < 1e-9);
+    CHECK(progress.calls > 2 && fabs(progress.last - 1.0) < 1e-9);
     progress.calls = 0;
     progress.last = 0.0;
     progress.stop_at = 2;
