@@ -171,7 +171,7 @@ void progress() {
     }
     CHECK(caught == "mine");
     how.progress = nullptr;
-    CHECK(catamaran::ata(view, how)[0] == 300.0);
+    CHECK(catamaran::ata(view, how)[0] == 800.0);
 }
 
 // Calls come from several threads, but never overlap: nothing here is atomic or locked. They may call the
