@@ -20,6 +20,9 @@ use crate::progress::Bar;
 use crate::report::{head, row, status};
 use crate::shape::{LaplacianArgs, MassArgs};
 
+/// The options of comparisons, which a fit of a metric does not make.
+const NOT_FITTED: [&str; 3] = ["query", "distances", "metric"];
+
 /// Compare triangle meshes by their spectra (ShapeDNA).
 ///
 /// The comparison depends neither on the pose nor on the triangulation.
@@ -64,16 +67,21 @@ pub struct Args {
         long,
         value_name = "FILE",
         requires = "labels",
-        conflicts_with_all = ["query", "distances", "metric"]
+        conflicts_with_all = NOT_FITTED
     )]
     fit_metric: Option<PathBuf>,
     /// Which meshes are poses of one shape: a text file with a line for each mesh, in the order of
     /// the meshes, that names its shape.
-    #[arg(long, value_name = "FILE", requires = "fit_metric")]
+    #[arg(
+        long,
+        value_name = "FILE",
+        requires = "fit_metric",
+        conflicts_with_all = NOT_FITTED
+    )]
     labels: Option<TextFile>,
     /// Fit the metric to differences of poses alone: for a few shapes in many poses. Without it,
     /// 2 K + 3 shapes are needed for K eigenvalues that are not zero.
-    #[arg(long, requires = "fit_metric")]
+    #[arg(long, requires = "fit_metric", conflicts_with_all = NOT_FITTED)]
     poses_only: bool,
     /// Compare with a metric that --fit-metric wrote, for signatures of the same kind: a distance
     /// that is small for poses of one shape.

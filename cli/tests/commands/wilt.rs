@@ -606,7 +606,7 @@ fn leaves_are_fitted_by_treatment_and_an_unseen_one_follows() {
     fails("plant.txt --fit leaves.csv --weather air.csv", "cannot be used with");
     fails("--fit leaves.csv --weather air.csv --kappa 3", "cannot be used with");
     fails("--fit leaves.csv --weather air.csv --instrument 0", "--instrument");
-    fails("--grow 9 --fit leaves.csv --unseen A", "--weather");
+    fails("--grow 9 --fit leaves.csv --unseen A", "cannot be used with");
     let text = std::fs::read_to_string(folder.path("leaves.csv")).unwrap();
     folder.write("dry.csv", text.replace("0.5,6,120", "7,6,120"));
     fails("--fit dry.csv --weather air.csv", "1: its dry weight must be at least 0 and below");
