@@ -51,8 +51,8 @@ pub fn describe(rivals: &[&Rival]) -> String {
     let flags = field(&flags, "flags").unwrap_or_default();
     let amx: Vec<_> = flags.split(' ').filter(|f| f.starts_with("amx")).collect();
     let mut text = format!(
-        "cpu       {}\ncores     {}\nflags     {} {}\nlimit     {}\nmemory    {}\nrustc     {}\ndate      {}\n\
-         commit    {}\nload      {}\n",
+        "cpu       {}\ncores     {}\nflags     {} {}\nlimit     {}\nmemory    {}\nrustc     {}\n\
+         date      {}\ncommit    {}\nload      {}\n",
         cpu_model(),
         cores(),
         cpu_features().join(" "),

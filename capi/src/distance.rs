@@ -253,7 +253,8 @@ pub unsafe extern "C" fn cata_distance_exact(
     params: *const cata_distance_params,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `sources`,
+        // `count` elements; `distances`, `n_vertices` elements), clause `structs` (`params`).
         let (mesh, sources, params, distances) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,
@@ -289,7 +290,8 @@ pub unsafe extern "C" fn cata_distance_path_exact(
     path: *mut *mut cata_path,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `through`,
+        // `count` elements; `path`, one value), clause `structs` (`params`).
         let (mesh, through, params, place) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,
@@ -440,7 +442,8 @@ pub unsafe extern "C" fn cata_path_places(
     weights: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: clause `handles` (`path`), clause `memory` (`faces`, one index a point; `weights`,
+        // 3 numbers a point).
         unsafe {
             let own = known("path", path)?;
             let Some(places) = &own.places else {

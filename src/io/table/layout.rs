@@ -400,7 +400,7 @@ impl Found<'_> {
         let layout = Layout {
             syntax: self.syntax,
             notation,
-            missing_words: self.missing_words,
+            missing_words: self.missing_words.read_in(notation),
             missing: self.options.missing,
             uses,
             ncols: used.len(),

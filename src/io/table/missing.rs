@@ -1,6 +1,6 @@
 //! The words of missing cells.
 
-use super::number::{self, NOTATIONS, PLAIN};
+use super::number::{self, Notation};
 
 /// The words that stand for a missing cell by default: those of `pandas.read_csv` (pandas 2), and
 /// the point of SAS.
@@ -13,34 +13,30 @@ const DEFAULT: [&str; 19] = [
 #[derive(Debug, Clone)]
 pub(super) struct MissingWords {
     words: Vec<Vec<u8>>,
-    /// Whether a word can be read as a number, so that words come first.
-    pub has_numbers: bool,
-    /// The values of words that are numbers: `-999` also stands for `-999.0`.
+    /// The values of words that are numbers in the notation of the table: `-999` also stands for
+    /// `-999.0`.
     pub numbers: Vec<f64>,
 }
 
 impl MissingWords {
-    /// Returns the words of the caller, or those by default.
+    /// Returns the words of the caller, or those by default. No notation is known yet.
     pub fn new(words: Option<&[String]>) -> Self {
         let bytes = |word: &str| word.trim().as_bytes().to_vec();
-        match words {
-            None => Self {
-                words: DEFAULT.iter().map(|&w| bytes(w)).collect(),
-                has_numbers: false,
-                numbers: Vec::new(),
-            },
-            Some(words) => {
-                let words: Vec<Vec<u8>> = words.iter().map(|word| bytes(word)).collect();
-                let value = |word: &Vec<u8>| {
-                    number::parse(word, PLAIN).or_else(|| number::parse(word, NOTATIONS[1]))
-                };
-                let numbers: Vec<f64> =
-                    words.iter().filter_map(value).filter(|value| !value.is_nan()).collect();
-                let has_numbers =
-                    !numbers.is_empty() || words.iter().any(|word| number::readings(word) != 0);
-                Self { words, has_numbers, numbers }
-            }
-        }
+        let words = match words {
+            None => DEFAULT.iter().map(|&word| bytes(word)).collect(),
+            Some(words) => words.iter().map(|word| bytes(word)).collect(),
+        };
+        Self { words, numbers: Vec::new() }
+    }
+
+    /// Reads words that are numbers in the notation of a table, or in the usual one, in which
+    /// options are written.
+    pub fn read_in(self, notation: Notation) -> Self {
+        let value = |word: &Vec<u8>| {
+            number::parse(word, notation).or_else(|| number::parse(word, number::PLAIN))
+        };
+        let numbers = self.words.iter().filter_map(value).filter(|value| !value.is_nan()).collect();
+        Self { numbers, ..self }
     }
 
     /// Returns whether a field, without blanks around it, is missing.

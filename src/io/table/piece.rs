@@ -134,7 +134,7 @@ impl Piece {
         self.values.resize(start + layout.ncols, f64::NAN);
         let mut is_dropped = false;
         // The common case, in which UTF-8 is checked once for a line.
-        let is_plain = layout.notation.decimal == '.' && !layout.missing_words.has_numbers;
+        let is_plain = layout.notation.decimal == '.' && layout.missing_words.numbers.is_empty();
         let line = if is_plain { self.splitter.line(text) } else { None };
         for (j, &used) in layout.uses.iter().enumerate() {
             if let (Use::Number(place), Some(line)) = (used, line)
@@ -232,9 +232,6 @@ enum Cell {
 #[inline]
 fn value(layout: &Layout, field: &[u8]) -> Cell {
     let words = &layout.missing_words;
-    if words.has_numbers && words.holds(field) {
-        return Cell::Missing;
-    }
     match number::parse(field, layout.notation) {
         Some(value) if !value.is_nan() && !words.numbers.contains(&value) => Cell::Number(value),
         Some(_) => Cell::Missing,

@@ -241,6 +241,9 @@ fn rows_with_missing_cells_are_refused_dropped_or_nan() {
         check(text, &options(words.clone()), &[&[1.0, 2.0], &[4.0, 5.0]], &[]);
     }
     check("1;2,5\n-999,00;3\n4;5\n", &options(words.clone()), &[&[1.0, 2.5], &[4.0, 5.0]], &[]);
+    // In a file with decimal points, a word with a comma is no number with a decimal comma.
+    let comma = TableOptions::new().missing(Missing::Drop).missing_words(vec!["9,5".to_owned()]);
+    check("1;2.5\n9.5;3\n4;5\n", &options(comma), &[&[1.0, 2.5], &[9.5, 3.0], &[4.0, 5.0]], &[]);
     let infinity = TableOptions::new().missing(Missing::Drop).missing_words(vec!["inf".to_owned()]);
     check("x,y\n1,2\ninf,3\n4,5\n", &options(infinity), &[&[1.0, 2.0], &[4.0, 5.0]], &["x", "y"]);
     // Errors of spreadsheets are no comments.
