@@ -27,33 +27,43 @@ impl Amx {
     fn detect() -> Result<Self, &'static str> {
         IsaLevel::Amx.permitted()?;
         let others = Vnni::new()?;
-        let has = |register: u32, bit: u32| register >> bit & 1 == 1;
-        if __cpuid(0).eax < 7 {
-            return Err("the CPU has no AMX");
-        }
-        let features = __cpuid_count(7, 0).edx;
-        if !has(features, 24) || !has(features, 25) {
-            return Err("the CPU has no AMX-INT8");
-        }
-        if !has(__cpuid(1).ecx, 27) {
-            return Err("the system does not manage extended registers (OSXSAVE)");
-        }
-        // SAFETY: OSXSAVE says that the instruction exists.
-        let enabled = unsafe { xgetbv() };
-        if enabled >> 17 & 3 != 3 {
-            return Err("the system has not enabled the AMX tiles (XCR0)");
-        }
+        enabled()?;
         if !permitted() {
             return Err("the system refuses the AMX tiles to this process (arch_prctl)");
         }
         Ok(Self { others })
     }
 
-    /// Creates the kernel without a check, for tests that emulate the instructions.
+    /// Creates the kernel for tests that emulate the instructions, all of which trap: fails where
+    /// the CPU performs those that need no permission.
     #[cfg(test)]
-    pub fn unchecked() -> Result<Self, &'static str> {
-        Ok(Self { others: Vnni::new()? })
+    pub fn emulated() -> Result<Self, &'static str> {
+        match enabled() {
+            Ok(()) => Err("the CPU has AMX"),
+            Err(_) => Ok(Self { others: Vnni::new()? }),
+        }
     }
+}
+
+/// Checks that the CPU has the instructions and that the system has enabled the tiles.
+fn enabled() -> Result<(), &'static str> {
+    let has = |register: u32, bit: u32| register >> bit & 1 == 1;
+    if __cpuid(0).eax < 7 {
+        return Err("the CPU has no AMX");
+    }
+    let features = __cpuid_count(7, 0).edx;
+    if !has(features, 24) || !has(features, 25) {
+        return Err("the CPU has no AMX-INT8");
+    }
+    if !has(__cpuid(1).ecx, 27) {
+        return Err("the system does not manage extended registers (OSXSAVE)");
+    }
+    // SAFETY: OSXSAVE says that the instruction exists.
+    let enabled = unsafe { xgetbv() };
+    if enabled >> 17 & 3 != 3 {
+        return Err("the system has not enabled the AMX tiles (XCR0)");
+    }
+    Ok(())
 }
 
 #[target_feature(enable = "xsave")]

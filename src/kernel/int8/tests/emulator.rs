@@ -20,10 +20,11 @@ thread_local! {
 }
 
 /// Returns the AMX kernel, after installing the handler for this process; fails without
-/// AVX-512 VNNI, which the kernel needs too.
+/// AVX-512 VNNI, which the kernel needs too, and on a CPU with AMX.
 pub(super) fn amx() -> Result<&'static Amx, &'static str> {
     static AMX: OnceLock<Result<Amx, &'static str>> = OnceLock::new();
     let install = || {
+        let kernel = Amx::emulated()?;
         // SAFETY: the action is fully initialized, and the handler has the three arguments that
         // SA_SIGINFO promises. It runs on the stack of the thread that trapped, below the red zone,
         // and the system restores the registers of that thread.
@@ -33,7 +34,7 @@ pub(super) fn amx() -> Result<&'static Amx, &'static str> {
             action.sa_flags = libc::SA_SIGINFO;
             assert_eq!(libc::sigaction(libc::SIGILL, &action, std::ptr::null_mut()), 0);
         }
-        Amx::unchecked()
+        Ok(kernel)
     };
     AMX.get_or_init(install).as_ref().map_err(|why| *why)
 }
