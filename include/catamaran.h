@@ -1830,7 +1830,7 @@ cata_status cata_path_get(const cata_path *path, uint32_t *vertices, double *poi
 
 /** Gets the points of a path of cata_distance_path_exact as points of faces; NULL where not wanted.
  * - `faces`: n_points elements, written.
- * - `weights`: 3 n_points elements, written: barycentric coordinates at the corners of the faces. */
+ * - `weights`: 3 n_points elements, written: barycentric coordinates at the corners of faces. */
 cata_status cata_path_places(const cata_path *path, uint32_t *faces, double *weights);
 
 void cata_path_free(cata_path *path); /**< Frees a path. */

@@ -431,7 +431,7 @@ pub unsafe extern "C" fn cata_path_get(
 /// Gets the points of a path of cata_distance_path_exact as points of faces; NULL where not wanted.
 ///
 /// - `faces`: n_points elements, written.
-/// - `weights`: 3 n_points elements, written: barycentric coordinates at the corners of the faces.
+/// - `weights`: 3 n_points elements, written: barycentric coordinates at the corners of faces.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -442,8 +442,8 @@ pub unsafe extern "C" fn cata_path_places(
     weights: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: clause `handles` (`path`), clause `memory` (`faces`, one index a point; `weights`,
-        // 3 numbers a point).
+        // SAFETY: clause `handles` (`path`), clause `memory` (`faces`, one index a point;
+        // `weights`, 3 numbers a point).
         unsafe {
             let own = known("path", path)?;
             let Some(places) = &own.places else {
