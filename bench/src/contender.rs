@@ -15,14 +15,14 @@ use faer::{Accum, MatMut, MatRef};
 
 use crate::Result;
 use crate::input::Shape;
-use crate::library::{Gemm, Rival, Syrk};
+use crate::library::{Gemm, GemmBatch, Rival, Syrk};
 use crate::product::Operation;
 
 // The values of the CBLAS enumerations.
-const ROW_MAJOR: i32 = 101;
-const NO_TRANS: i32 = 111;
-const TRANS: i32 = 112;
-const LOWER: i32 = 122;
+pub(crate) const ROW_MAJOR: i32 = 101;
+pub(crate) const NO_TRANS: i32 = 111;
+pub(crate) const TRANS: i32 = 112;
+pub(crate) const LOWER: i32 = 122;
 
 /// A scalar that every contender can compute with.
 pub trait Scalar: BlasReal {
@@ -30,6 +30,8 @@ pub trait Scalar: BlasReal {
     fn syrk(rival: &Rival) -> Syrk<Self>;
     /// Returns the rival's `gemm` of this precision.
     fn gemm(rival: &Rival) -> Gemm<Self>;
+    /// Returns the rival's products of many small matrices of this precision.
+    fn gemm_batch(rival: &Rival) -> Option<GemmBatch<Self>>;
     /// Computes the lower triangle of C := A^T A by faer.
     fn faer_syrk(a: MatRef<'_, Self>, c: MatMut<'_, Self>, par: faer::Par);
     /// Computes C := A^T B by faer.
@@ -37,7 +39,7 @@ pub trait Scalar: BlasReal {
 }
 
 macro_rules! scalar {
-    ($t:ident, $syrk:ident, $gemm:ident) => {
+    ($t:ident, $syrk:ident, $gemm:ident, $gemm_batch:ident) => {
         impl Scalar for $t {
             fn syrk(rival: &Rival) -> Syrk<Self> {
                 rival.$syrk
@@ -45,6 +47,10 @@ macro_rules! scalar {
 
             fn gemm(rival: &Rival) -> Gemm<Self> {
                 rival.$gemm
+            }
+
+            fn gemm_batch(rival: &Rival) -> Option<GemmBatch<Self>> {
+                rival.$gemm_batch
             }
 
             fn faer_syrk(a: MatRef<'_, Self>, c: MatMut<'_, Self>, par: faer::Par) {
@@ -72,8 +78,8 @@ macro_rules! scalar {
         }
     };
 }
-scalar!(f32, ssyrk, sgemm);
-scalar!(f64, dsyrk, dgemm);
+scalar!(f32, ssyrk, sgemm, sgemm_batch);
+scalar!(f64, dsyrk, dgemm, dgemm_batch);
 
 /// One way to compute a product.
 #[derive(Clone)]

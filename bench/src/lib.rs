@@ -4,6 +4,7 @@
 //! See README.md of this package for how to run it and what the columns mean.
 
 pub mod accuracy;
+pub mod batch;
 pub mod chart;
 pub mod child;
 pub mod contender;

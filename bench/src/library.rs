@@ -40,6 +40,29 @@ pub type Gemm<T> = unsafe extern "C" fn(
     ldc: c_int,
 );
 
+/// `cblas_?gemm_batch_strided` with 32-bit integers: `count` products of one shape, whose operands
+/// follow each other at fixed distances.
+pub type GemmBatch<T> = unsafe extern "C" fn(
+    order: c_int,
+    trans_a: c_int,
+    trans_b: c_int,
+    m: c_int,
+    n: c_int,
+    k: c_int,
+    alpha: T,
+    a: *const T,
+    lda: c_int,
+    stride_a: c_int,
+    b: *const T,
+    ldb: c_int,
+    stride_b: c_int,
+    beta: T,
+    c: *mut T,
+    ldc: c_int,
+    stride_c: c_int,
+    count: c_int,
+);
+
 /// Resolves every symbol in the library before the process: the global symbols of MKL must not end
 /// up inside another BLAS.
 #[cfg(target_os = "linux")]
@@ -70,6 +93,10 @@ pub struct Rival {
     pub dgemm: Gemm<f64>,
     /// `cblas_sgemm`.
     pub sgemm: Gemm<f32>,
+    /// `cblas_dgemm_batch_strided`, which not every library has.
+    pub dgemm_batch: Option<GemmBatch<f64>>,
+    /// `cblas_sgemm_batch_strided`.
+    pub sgemm_batch: Option<GemmBatch<f32>>,
     set_threads: SetThreads,
     _library: Library,
 }
@@ -138,6 +165,8 @@ impl Rival {
                 ssyrk: symbol(&library, &ssyrk).ok_or_else(|| missing(&ssyrk))?,
                 dgemm: symbol(&library, &dgemm).ok_or_else(|| missing(&dgemm))?,
                 sgemm: symbol(&library, &sgemm).ok_or_else(|| missing(&sgemm))?,
+                dgemm_batch: symbol(&library, &format!("{prefix}cblas_dgemm_batch_strided")),
+                sgemm_batch: symbol(&library, &format!("{prefix}cblas_sgemm_batch_strided")),
                 set_threads,
                 _library: library,
             })

@@ -9,8 +9,8 @@ use catamaran_bench::{Result, host};
 use clap::Parser;
 
 use commands::{
-    accuracy, cholesky, decimate, functional_map, gram, grid, laplacian, ortho, race, reproduce,
-    scale, spectrum, stream,
+    accuracy, batched, cholesky, decimate, functional_map, gram, grid, laplacian, ortho, race,
+    reproduce, scale, spectrum, stream,
 };
 
 /// Races against other libraries, and errors beside theirs.
@@ -22,6 +22,8 @@ enum Command {
     Atb(race::Arguments),
     /// A^T A at many shapes against the best of syrk and gemm of BLAS libraries.
     Grid(grid::Arguments),
+    /// A^T A of many small matrices at once against gemm_batch_strided and a loop of syrk.
+    Batched(batched::Arguments),
     /// Errors of A^T A, entry by entry, beside those of the syrk of BLAS libraries.
     Accuracy(accuracy::Arguments),
     /// A^T A on many ranks, as the plans predict it.
@@ -56,6 +58,7 @@ fn main() {
         Command::Ata(a) => beside(&a.common.libraries, &|| race::run(Operation::Syrk, a)),
         Command::Atb(a) => beside(&a.common.libraries, &|| race::run(Operation::Gemm, a)),
         Command::Grid(a) => beside(&a.common.libraries, &|| grid::run(a)),
+        Command::Batched(a) => beside(&a.common.libraries, &|| batched::run(a)),
         Command::Accuracy(a) => beside(&a.common.libraries, &|| accuracy::run(a)),
         Command::Scale(a) => scale::run(a),
         Command::Stream(a) => stream::run(a),

@@ -44,13 +44,13 @@ pub struct Outcome {
 }
 
 /// Least length of a timed sample: shorter calls are repeated within it.
-const SAMPLE_SECONDS: f64 = 0.05;
+pub(crate) const SAMPLE_SECONDS: f64 = 0.05;
 /// Least length of a run that measures how long a call takes.
 const TRIAL_SECONDS: f64 = 1e-3;
 /// Seconds of samples of a rival before it may count as too slow: two short samples or a long one.
 const FAIR_SECONDS: f64 = 1.5 * SAMPLE_SECONDS;
 /// Time after which the threads of the previous contender are asleep.
-const PAUSE: Duration = Duration::from_millis(20);
+pub(crate) const PAUSE: Duration = Duration::from_millis(20);
 /// Side of the leading blocks of A and B on which all contenders warm up.
 const WARM_UP_SIDE: usize = 1024;
 
@@ -144,7 +144,7 @@ fn too_slow(outcomes: &[Outcome], calls: &[usize], patience: f64) -> Vec<bool> {
 
 /// Returns how many calls of `one_call` seconds last `seconds`, at least one. A call takes at least
 /// the resolution of the clock.
-fn calls_within(seconds: f64, one_call: f64) -> usize {
+pub(crate) fn calls_within(seconds: f64, one_call: f64) -> usize {
     (seconds / one_call.max(1e-7)).ceil() as usize
 }
 

@@ -1,6 +1,7 @@
 //! The commands, and their common options and contenders.
 
 pub mod accuracy;
+pub mod batched;
 pub mod cholesky;
 pub mod decimate;
 pub mod functional_map;
