@@ -484,6 +484,11 @@ fn the_content_says_what_a_name_does_not() {
         archive.write_all(text).unwrap();
         archive.finish().unwrap().into_inner()
     };
+    let bzip2 = |text: &[u8]| {
+        let mut encoder = ::bzip2::write::BzEncoder::new(Vec::new(), ::bzip2::Compression::fast());
+        encoder.write_all(text).unwrap();
+        encoder.finish().unwrap()
+    };
     #[cfg(feature = "columnar")]
     let zstd = |text: &[u8]| {
         ruzstd::encoding::compress_to_vec(text, ruzstd::encoding::CompressionLevel::Fastest)
@@ -502,6 +507,9 @@ fn the_content_says_what_a_name_does_not() {
         ("packed.dat.gz", gzip(text), 3),
         ("array", array.clone(), 1),
         ("array.dat", gzip(&array), 1),
+        ("packed.csv.bz2", bzip2(text), 3),
+        ("packed.csv", [bzip2(&text[..7]), bzip2(&text[7..])].concat(), 3),
+        ("array.bz2", bzip2(&array), 1),
         ("zipped.csv", zip(text), 3),
         ("zipped.csv.zip", zip(text), 3),
         ("array.zip", zip(&array), 1),
@@ -519,7 +527,8 @@ fn the_content_says_what_a_name_does_not() {
     let said = read_file(&folder.file("a.npy", text), &format).map(|found| found.names);
     assert_eq!(said.unwrap(), ["a", "b"]);
     for (name, bytes, why) in [
-        ("a.csv", &b"BZh91AY&SY"[..], "a.csv: is packed by bzip2 ("),
+        ("a.csv", &b"BZh91AY&SY"[..], "a.csv: truncated: the file ends too early"),
+        ("a.csv.bz2", text, "a.csv.bz2: is not a .bz2 file"),
         ("a.csv", b"PK\x03\x04....", "a.csv: damaged .zip file"),
         ("a.csv.gz", text, "a.csv.gz: is not a .gz file"),
         #[cfg(not(feature = "columnar"))]
