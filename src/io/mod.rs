@@ -62,7 +62,9 @@ pub use rows::RowFile;
 /// The sparse matrix of [`Matrix::Sparse`], from crate sprs.
 pub use sprs::CsMat;
 pub use strips::StripOutput;
-pub use table::{ColumnKind, Missing, Separator, TableColumn, TableOptions, TableReading, Words};
+pub use table::{
+    ColumnKind, Missing, RoundedIntegers, Separator, TableColumn, TableOptions, TableReading, Words,
+};
 pub use table_file::TableFile;
 
 // For the other crates of this workspace: no part of the interface.

@@ -41,6 +41,7 @@ pub fn plan(
         left_out: Vec::new(),
         columns: Vec::new(),
         dropped_rows: 0,
+        rounded: None,
     };
     for number in chosen {
         let Field { name, kind } = &fields[number];

@@ -8,7 +8,7 @@ use memchr::{memchr, memrchr};
 use super::layout::{Decided, Layout, decide};
 use super::options::TableOptions;
 use super::piece::Piece;
-use super::reading::TableReading;
+use super::reading::{RoundedIntegers, TableReading};
 use super::text::Text;
 use crate::base::{Par, Real, Result};
 use crate::io::columns::Columns;
@@ -26,6 +26,8 @@ const MOST_PIECES: usize = 8;
 pub(super) struct Engine<R> {
     pub text: Text<R>,
     pub layout: Layout,
+    /// The integers that were rounded so far.
+    pub rounded: Option<RoundedIntegers>,
     pieces: Vec<Piece>,
     par: Par,
 }
@@ -81,7 +83,7 @@ impl<R: Read> Engine<R> {
     pub fn new(text: Text<R>, layout: Layout, par: Par) -> Self {
         let par = par.at_most(MOST_PIECES);
         let pieces = (0..par.threads()).map(|_| Piece::new(&layout)).collect();
-        Self { text, layout, pieces, par }
+        Self { text, layout, rounded: None, pieces, par }
     }
 
     /// Reads some rows, or only counts them; `None` at the end of the file. The rows are those of
@@ -116,6 +118,11 @@ impl<R: Read> Engine<R> {
             for piece in &self.pieces {
                 if let Some(fault) = &piece.fault {
                     return Err(self.text.fail(lines + fault.line, fault.what.clone()));
+                }
+                if let Some(more) = &piece.rounded {
+                    let line = self.text.lines + lines + more.line + 1;
+                    let first = || RoundedIntegers { count: 0, line, ..more.clone() };
+                    self.rounded.get_or_insert_with(first).count += more.count;
                 }
                 batch.rows += piece.rows;
                 batch.dropped += piece.dropped;

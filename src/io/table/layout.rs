@@ -392,6 +392,7 @@ impl Found<'_> {
             left_out,
             columns,
             dropped_rows: 0,
+            rounded: None,
         };
         reading.set_notation(notation);
         if width > 1 {

@@ -38,6 +38,6 @@ pub(super) use self::message::option;
 pub use self::options::{Missing, Separator, TableOptions, Words};
 #[cfg(feature = "columnar")]
 pub(super) use self::piece::{Levels, texts};
-pub use self::reading::{ColumnKind, TableColumn, TableReading};
+pub use self::reading::{ColumnKind, RoundedIntegers, TableColumn, TableReading};
 pub(super) use self::whole::read;
 pub(super) use self::write::write;

@@ -34,6 +34,18 @@ pub enum ColumnKind {
     },
 }
 
+/// Integers of text that are beyond 2^53 and no f64, so that they were rounded to the nearest one.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct RoundedIntegers {
+    /// How many there are.
+    pub count: u64,
+    /// The line of the first one, from 1.
+    pub line: usize,
+    /// The column of the first one as messages call it: `column 2 (id)`, from 1.
+    pub column: String,
+}
+
 /// How a text table was read. A face prints it once ([`Display`](fmt::Display)).
 ///
 /// ```
@@ -80,6 +92,8 @@ pub struct TableReading {
     pub columns: Vec<TableColumn>,
     /// Rows that were left out because a cell in a column that is used is missing.
     pub dropped_rows: u64,
+    /// The integers of text that were rounded; `None` where there are none, and in other formats.
+    pub rounded: Option<RoundedIntegers>,
 }
 
 impl TableReading {
@@ -92,7 +106,7 @@ impl TableReading {
     }
 
     /// Returns whether the file says all by itself: fields between commas, tabs or blanks, decimal
-    /// points, names that are words, and nothing that is left out.
+    /// points, names that are words, nothing that is left out, and no integer that is rounded.
     pub fn is_plain(&self) -> bool {
         let is_usual =
             matches!(self.separator, None | Some(Separator::Blanks | Separator::Char(',' | '\t')));
@@ -107,6 +121,7 @@ impl TableReading {
             && !self.has_commented_rows
             && self.left_out.is_empty()
             && self.dropped_rows == 0
+            && self.rounded.is_none()
             && self.columns.iter().all(|column| column.kind == ColumnKind::Numbers)
     }
 
@@ -166,6 +181,14 @@ impl fmt::Display for TableReading {
             0 => {}
             1 => parts.push("1 row with a missing cell left out".into()),
             rows => parts.push(format!("{rows} rows with missing cells left out")),
+        }
+        if let Some(RoundedIntegers { count, line, column }) = &self.rounded {
+            parts.push(match count {
+                1 => format!("an integer beyond 2^53 rounded, in line {line}, {column}"),
+                _ => format!(
+                    "{count} integers beyond 2^53 rounded, the first in line {line}, {column}"
+                ),
+            });
         }
         f.write_str(&parts.join(", "))
     }

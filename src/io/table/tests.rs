@@ -546,6 +546,49 @@ fn the_content_says_what_a_name_does_not() {
 }
 
 #[test]
+fn integers_that_are_rounded_are_counted() {
+    let said = |text: &str, options: &ReadOptions<'_>| {
+        let reading = content(text, options).unwrap().reading.unwrap();
+        assert!(reading.rounded.is_none() || !reading.is_plain(), "{text}");
+        reading.to_string()
+    };
+    let text = "x,id\n1,9007199254740992\n2.5,9007199254740993\n7,-9007199254740995\n3,4\n";
+    let large = 2.0_f64.powi(53);
+    let rows: &[&[f64]] = &[&[1.0, large], &[2.5, large], &[7.0, -large - 4.0], &[3.0, 4.0]];
+    let rounded = check(text, &auto(), rows, &["x", "id"]).rounded.unwrap();
+    assert_eq!((rounded.count, rounded.line, &rounded.column[..]), (2, 3, "column 2 (id)"));
+    let all = "2 integers beyond 2^53 rounded, the first in line 3, column 2 (id)";
+    assert!(said(text, &auto()).ends_with(all));
+    // Only cells that are used count, and no missing ones.
+    assert!(!said(text, &auto().columns(Columns::parse("x"))).contains("2^53"));
+    let missing = TableOptions::new().missing(Missing::Drop);
+    let words = Some(vec!["9007199254740993".to_owned()]);
+    let one = said(text, &options(missing.clone().missing_words(words)));
+    assert!(one.ends_with("an integer beyond 2^53 rounded, in line 4, column 2 (id)"), "{one}");
+    let dropped = said("1.5,2\nNA,9007199254740993\n3,4\n5,7\n", &options(missing));
+    assert!(!dropped.contains("2^53"), "{dropped}");
+    let quoted = "\"a\nb\",c\n1,2\n3,4\n5,\"9007199254740993\"\n";
+    assert!(said(quoted, &auto()).contains("in line 5, column 2 (c)"));
+    let german = said("a;b\n0,5;9.007.199.254.740.993\n1,5;2\n2,5;3\n", &auto());
+    assert!(
+        german.ends_with("an integer beyond 2^53 rounded, in line 2, column 2 (b)"),
+        "{german}"
+    );
+    assert!(!said("1,0.12345678901234567\n2,12345678901234567e3\n", &auto()).contains("2^53"));
+    // Counted by several threads, in order.
+    let mut many = "1,2\n".repeat(600_000);
+    many += "9007199254740993,1\n";
+    many += &"3,4\n".repeat(600_000);
+    many += "9007199254740993,1\n";
+    for threads in [1, 3] {
+        let threads = options(TableOptions::new().par(Par::Threads(threads)));
+        let counted = said(&many, &threads);
+        assert!(counted.contains("2 integers beyond 2^53 rounded, the"), "{counted}");
+        assert!(counted.ends_with("the first in line 600001, column 1"), "{counted}");
+    }
+}
+
+#[test]
 fn columns_of_words_are_left_out_or_factors() {
     let text = "city,x\nUlm,1\nBonn,2\nUlm,3\n\"\",4\n";
     let reading = check(text, &auto(), &[&[1.0], &[2.0], &[3.0], &[4.0]], &["x"]);
