@@ -38,6 +38,7 @@ pub fn plan(
         index: false,
         trailing_separator: false,
         has_commented_rows: false,
+        has_escaped_quotes: false,
         left_out: Vec::new(),
         columns: Vec::new(),
         dropped_rows: 0,

@@ -5,6 +5,7 @@ use std::io::Read;
 use faer::MatMut;
 use memchr::{memchr, memrchr};
 
+use super::foreign;
 use super::layout::{Decided, Layout, decide};
 use super::options::TableOptions;
 use super::piece::Piece;
@@ -52,7 +53,7 @@ pub(super) fn begin<R: Read>(
         // The last line may be cut.
         let whole = if is_last { held.len() } else { end_of_lines(held) };
         if memchr(0, &held[..whole]).is_some() {
-            return Err(text.fail(0, "not text: it has a zero byte"));
+            return Err(text.fail(0, foreign::binary(held)));
         }
         let found = match whole {
             0 if !is_last => None,

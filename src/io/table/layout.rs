@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::encoding;
+use super::foreign;
 use super::message::{excerpt, option};
 use super::missing::MissingWords;
 use super::number::{self, NOTATIONS, Notation, PLAIN, Readings};
@@ -106,6 +107,9 @@ pub(super) fn decide(
     }
     let separator = options.separator.or(said);
     let rest = &text[start..];
+    if let (None, Some((at, what))) = (separator, foreign::text(rest)) {
+        return Err(error(path, line - 1 + at, what));
+    }
     let (syntax, sample) = find(rest, is_last, line, separator, options, &missing_words);
     if !is_last && sample.rows.len() < LEAST_ROWS {
         return Ok(None);
@@ -388,6 +392,7 @@ impl Found<'_> {
             skipped_lines: 0,
             index: index && self.columns.is_all(),
             trailing_separator: trailing > 0,
+            has_escaped_quotes: self.syntax.has_escapes,
             has_commented_rows: self.has_commented_rows(&kinds),
             left_out,
             columns,
@@ -529,16 +534,21 @@ impl Found<'_> {
     fn header_of_words(&self, cells: &[Cell], width: usize) -> Result<Header> {
         let kind = |j: usize| self.kind(1, width, j);
         let words = || (0..cells.len()).filter(move |&j| cells[j] == Cell::Word);
-        if words().any(|j| kind(j) != Kind::Words) {
-            return Ok(Header::Names);
+        let first = &self.sample.rows[0];
+        let has_number = cells.iter().any(|cell| cell.is_number());
+        let mut above_numbers = words().filter(|&j| kind(j) != Kind::Words).peekable();
+        if above_numbers.peek().is_some() {
+            // Beside a number `1.5*` or `?` is as well a cell that can't be read.
+            return match has_number && above_numbers.all(|j| is_no_name(&first.fields[j])) {
+                true => Err(self.two_readings()),
+                false => Ok(Header::Names),
+            };
         }
         // All its words are in columns of words.
-        let first = &self.sample.rows[0];
         let is_level = |j: usize| self.rows(1, width).any(|row| row.fields[j] == first.fields[j]);
         if words().any(is_level) {
             return Ok(Header::No(Vec::new()));
         }
-        let has_number = cells.iter().any(|cell| cell.is_number());
         if !has_number || self.may_be_names(cells, width, false) {
             return Ok(Header::Names);
         }
@@ -836,6 +846,15 @@ impl Found<'_> {
         }
         Ok(chosen)
     }
+}
+
+/// Returns whether a word has no letter before its first digit, or is an error of a spreadsheet or
+/// the null of MySQL: names are hardly so.
+fn is_no_name(word: &[u8]) -> bool {
+    let text = encoding::text(word);
+    let first = text.chars().find(|c| c.is_alphanumeric());
+    let is_error = text.starts_with('#') && text.ends_with(['!', '?']);
+    is_error || text == "\\N" || !first.is_some_and(char::is_alphabetic)
 }
 
 /// Returns a number in whichever notation reads it first.

@@ -12,11 +12,14 @@
 //! - [`text`] holds a part of it, which [`engine`] divides among threads,
 //! - [`piece`] reads the records of a part, which [`splitter`] divides into fields,
 //! - [`number`] and [`missing`] read a field.
+//!
+//! [`foreign`] names files that are no tables.
 
 mod encoding;
 mod engine;
 mod factors;
 mod file;
+mod foreign;
 mod layout;
 mod message;
 mod missing;

@@ -85,6 +85,8 @@ pub struct TableReading {
     pub trailing_separator: bool,
     /// Whether comments are left out that would be rows without the sign of comments.
     pub has_commented_rows: bool,
+    /// Whether `\"` within quotes is read as a quote, as MySQL and Spark write it.
+    pub has_escaped_quotes: bool,
     /// The columns that are left out, those of words in text and all without numbers elsewhere:
     /// their names, or else numbers, from 0.
     pub left_out: Vec<String>,
@@ -119,6 +121,7 @@ impl TableReading {
             && !self.index
             && !self.trailing_separator
             && !self.has_commented_rows
+            && !self.has_escaped_quotes
             && self.left_out.is_empty()
             && self.dropped_rows == 0
             && self.rounded.is_none()
@@ -163,6 +166,9 @@ impl fmt::Display for TableReading {
         }
         if self.has_commented_rows {
             parts.push("commented rows left out".into());
+        }
+        if self.has_escaped_quotes {
+            parts.push("\\\" read as a quote".into());
         }
         let factors: Vec<String> = self.columns.iter().filter_map(factor).collect();
         if !factors.is_empty() {

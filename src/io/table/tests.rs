@@ -546,6 +546,73 @@ fn the_content_says_what_a_name_does_not() {
 }
 
 #[test]
+fn a_first_row_with_a_number_and_what_is_hardly_a_name_has_two_readings() {
+    let cells =
+        ["1.5*", "<0.5", "(2)", "$3", "5%", "1.5x10^2", "?", "-", "12:30", "#DIV/0!", "\\N"];
+    for cell in cells {
+        let text = format!("{cell},2\n3.5,5\n4,4\n6,1\n");
+        let both = ["names of columns or the first row", "option `header` decides"];
+        refused(&text, &auto(), 1, &both);
+        let header = options(TableOptions::new().header(Some(true)));
+        let rows: &[&[f64]] = &[&[3.5, 5.0], &[4.0, 4.0], &[6.0, 1.0]];
+        check(&text, &header, rows, &[cell, "2"]);
+        let no_header = options(TableOptions::new().header(Some(false)));
+        refused(&text, &no_header, 1, &["is not a number"]);
+        // Beside names it is one, and so are several.
+        check(format!("x,{cell}\n3.5,5\n4,4\n6,1\n"), &auto(), rows, &["x", cell]);
+        check(format!("{cell},{cell}\n3.5,5\n4,4\n6,1\n"), &auto(), rows, &[cell, cell]);
+    }
+    let rows: &[&[f64]] = &[&[3.5, 5.0], &[4.0, 4.0], &[6.0, 1.0]];
+    check("T2,2\n3.5,5\n4,4\n6,1\n", &auto(), rows, &["T2", "2"]);
+}
+
+#[test]
+fn quotes_that_backslashes_make_part_of_a_field_are_read_where_fields_are_torn_without_them() {
+    let rows: &[&[f64]] = &[&[1.5, 2.0], &[3.5, 5.0], &[4.25, 4.0]];
+    for names in [
+        [r#""say \"hi\"""#, "x", "y"],
+        [r#""say \"hi, you\"""#, "\"x\"", "y"],
+        [r#""5\" pipe, 3""#, r#""3\" pipe""#, "y"],
+        [r#""5\", 3\"""#, r#""3\",1""#, r#""a\", 7, b""#],
+        // Without escapes each row has five fields, of which the second is a number.
+        [r#""a\", 7, b""#; 3],
+    ] {
+        let [a, b, c] = names;
+        let text = format!("name,a,b\n{a},1.5,2\n{b},3.5,5\n{c},4.25,4\n");
+        let reading = check(&text, &auto(), rows, &["a", "b"]);
+        assert!(reading.has_escaped_quotes, "{text}");
+        let said = "1 text column left out (name)";
+        let said = format!(r#"separator ,, decimal point, header, \" read as a quote, {said}"#);
+        assert_eq!(reading.to_string(), said);
+        let below = text.strip_prefix("name,a,b\n").unwrap();
+        check(below, &options(TableOptions::new().header(Some(false))), rows, &[]);
+    }
+    // Paths end with a backslash before the quote.
+    let text = "path,a\n\"C:\\x\\\",1.5\n\"C:\\\",2\n\"D\",4\n";
+    let reading = check(text, &auto(), &[&[1.5], &[2.0], &[4.0]], &["a"]);
+    assert!(!reading.has_escaped_quotes);
+    // Two quotes are one of the field, as always.
+    let text = "name,a\n\"say \"\"hi\"\"\",1.5\n\"y\",2\n\"z\",4\n";
+    assert!(!check(text, &auto(), &[&[1.5], &[2.0], &[4.0]], &["a"]).has_escaped_quotes);
+}
+
+#[test]
+fn files_that_are_no_tables_are_named_with_what_converts_them() {
+    let svmlight = "1 1:1.5 2:2\n-1 1:3.5\n1 2:4\n";
+    refused(svmlight, &auto(), 1, &["libsvm", "load_svmlight_file", "scipy.sparse.save_npz"]);
+    refused("# x\n1 qid:1 1:2\n", &auto(), 2, &["libsvm"]);
+    refused("t\n[[1.5 2. ]\n [3.5 5. ]]\n", &options(TableOptions::new().skip(1)), 2, &["array"]);
+    let arff = "@relation r\n@attribute a real\n@data\n1,2\n3.5,5\n";
+    refused(arff, &auto(), 1, &["ARFF: option `skip` = 3 leaves out"]);
+    let rows: &[&[f64]] = &[&[1.0, 2.0], &[3.5, 5.0]];
+    check(arff, &options(TableOptions::new().skip(3)), rows, &[]);
+    // A separator says that it is a table.
+    let table = TableOptions::new().separator(Some(Separator::Blanks)).header(Some(false));
+    let blank = options(table);
+    check("1 1:1.5\n2 1:2\n", &blank.columns(Columns::parse("0")), &[&[1.0], &[2.0]], &[]);
+}
+
+#[test]
 fn integers_that_are_rounded_are_counted() {
     let said = |text: &str, options: &ReadOptions<'_>| {
         let reading = content(text, options).unwrap().reading.unwrap();
