@@ -538,8 +538,13 @@ impl Found<'_> {
         let has_number = cells.iter().any(|cell| cell.is_number());
         let mut above_numbers = words().filter(|&j| kind(j) != Kind::Words).peekable();
         if above_numbers.peek().is_some() {
-            // Beside a number `1.5*` or `?` is as well a cell that can't be read.
-            return match has_number && above_numbers.all(|j| is_no_name(&first.fields[j])) {
+            // Beside a number `1.5*` or `?` is as well a cell that can't be read, and so is any
+            // word beside a fraction that could be one of its column.
+            let is_fraction =
+                |j: usize| cells[j].is_number() && !first.fields[j].iter().all(u8::is_ascii_digit);
+            let is_doubtful = has_number && above_numbers.all(|j| is_no_name(&first.fields[j]))
+                || (0..cells.len()).any(is_fraction) && !self.may_be_names(cells, width, false);
+            return match is_doubtful && !self.only_first_is_quoted() {
                 true => Err(self.two_readings()),
                 false => Ok(Header::Names),
             };
@@ -848,13 +853,17 @@ impl Found<'_> {
     }
 }
 
+/// Words of missing cells that are none by default, in small letters.
+const NO_NAMES: [&str; 7] = ["\\n", "missing", "n.a.", "n.d.", "nd", "nil", "undefined"];
+
 /// Returns whether a word has no letter before its first digit, or is an error of a spreadsheet or
-/// the null of MySQL: names are hardly so.
+/// stands for a missing cell elsewhere: names are hardly so.
 fn is_no_name(word: &[u8]) -> bool {
     let text = encoding::text(word);
+    let is_missing = NO_NAMES.contains(&&text.to_lowercase()[..]);
     let first = text.chars().find(|c| c.is_alphanumeric());
     let is_error = text.starts_with('#') && text.ends_with(['!', '?']);
-    is_error || text == "\\N" || !first.is_some_and(char::is_alphabetic)
+    is_error || is_missing || !first.is_some_and(char::is_alphabetic)
 }
 
 /// Returns a number in whichever notation reads it first.

@@ -547,8 +547,9 @@ fn the_content_says_what_a_name_does_not() {
 
 #[test]
 fn a_first_row_with_a_number_and_what_is_hardly_a_name_has_two_readings() {
-    let cells =
-        ["1.5*", "<0.5", "(2)", "$3", "5%", "1.5x10^2", "?", "-", "12:30", "#DIV/0!", "\\N"];
+    let cells = [
+        "1.5*", "<0.5", "(2)", "$3", "5%", "1.5x10^2", "?", "-", "12:30", "#DIV/0!", "\\N", "n.a.",
+    ];
     for cell in cells {
         let text = format!("{cell},2\n3.5,5\n4,4\n6,1\n");
         let both = ["names of columns or the first row", "option `header` decides"];
@@ -564,6 +565,11 @@ fn a_first_row_with_a_number_and_what_is_hardly_a_name_has_two_readings() {
     }
     let rows: &[&[f64]] = &[&[3.5, 5.0], &[4.0, 4.0], &[6.0, 1.0]];
     check("T2,2\n3.5,5\n4,4\n6,1\n", &auto(), rows, &["T2", "2"]);
+    // Any word beside a fraction that could be one of its column.
+    refused("trace,2.5\n3.5,5\n4,4\n6,1\n", &auto(), 1, &["names of columns or the first row"]);
+    refused("3.25,offline\n3.5,5\n4,4\n6,1\n", &auto(), 1, &["option `header` decides"]);
+    check("T2,99.5\n3.5,5\n4,4\n6,1\n", &auto(), rows, &["T2", "99.5"]);
+    check("\"T2\",\"2.5\"\n3.5,5\n4,4\n6,1\n", &auto(), rows, &["T2", "2.5"]);
 }
 
 #[test]
