@@ -109,10 +109,10 @@ pub(super) fn binary(head: &[u8]) -> String {
 /// Returns whether characters have four bytes each, or were two in UTF-16, whose mark is the start
 /// of that of UTF-32.
 fn is_utf32(head: &[u8]) -> bool {
+    let is_text = |a: u8, b: u8| a.is_ascii_graphic() && b.is_ascii() && b != 0;
     match *head {
-        [0, a, 0, b, 0, ..] | [a, 0, 0, 0, b, 0, 0, 0, ..] | [0, 0, 0, a, 0, 0, 0, b, ..] => {
-            a.is_ascii_graphic() && b.is_ascii() && b != 0
-        }
+        [0, a, 0, b, 0, ..] if a != 0 => is_text(a, b),
+        [a, 0, 0, 0, b, 0, 0, 0, ..] | [0, 0, 0, a, 0, 0, 0, b, ..] => is_text(a, b),
         _ => false,
     }
 }
