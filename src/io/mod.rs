@@ -10,7 +10,7 @@
 mod accumulator;
 mod archive;
 mod arrays;
-mod bzip2;
+mod bz2;
 #[cfg(feature = "columnar")]
 mod columnar;
 mod columns;

@@ -485,7 +485,7 @@ fn the_content_says_what_a_name_does_not() {
         archive.finish().unwrap().into_inner()
     };
     let bzip2 = |text: &[u8]| {
-        let mut encoder = ::bzip2::write::BzEncoder::new(Vec::new(), ::bzip2::Compression::fast());
+        let mut encoder = bzip2::write::BzEncoder::new(Vec::new(), bzip2::Compression::fast());
         encoder.write_all(text).unwrap();
         encoder.finish().unwrap()
     };
