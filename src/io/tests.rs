@@ -233,7 +233,7 @@ fn text_tables_of_every_separator_are_read() {
 fn broken_text_is_refused_with_its_line_and_the_option_that_decides() {
     let cases = [
         ("1,2\n# note\n\n3,4,5\n", 4, "3 fields in this row, 2 in that of line 1", "`separator`"),
-        ("1,2\n3\n", 2, "1 fields in this row, 2 in that of line 1", "`separator`"),
+        ("1,2\n3\n", 2, "1 field in this row, 2 in that of line 1", "`separator`"),
         ("1,2\n3,four\n", 2, "column 2: \"four\" is not a number", "`missing_words`"),
         ("1,2\n3,\n", 2, "column 2: nothing where a number should be", "`missing`"),
         (",,\n1,2,3\n", 1, "column 1: nothing where a number should be", "`missing`"),

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::encoding;
 use super::foreign;
-use super::message::{excerpt, option};
+use super::message::{excerpt, fields, option};
 use super::missing::MissingWords;
 use super::number::{self, NOTATIONS, Notation, PLAIN, Readings};
 use super::options::{Missing, Separator, TableOptions, Words};
@@ -643,7 +643,7 @@ impl Found<'_> {
 
     fn ragged(&self, len: usize, width: usize) -> crate::Error {
         let first = &self.sample.rows[0];
-        let text = excerpt(&first.fields.join(&b' '));
+        let (found, text) = (fields(len), excerpt(&first.fields.join(&b' ')));
         let (skip, separator) = (option("skip"), option("separator"));
         let line = first.line;
         // Rows may have an index without a name.
@@ -654,7 +654,7 @@ impl Found<'_> {
         self.fail(
             line,
             format!(
-                "{len} fields in this row, {width} in those after it: {text}; {skip} = {line} \
+                "{found} in this row, {width} in those after it: {text}; {skip} = {line} \
                  leaves it out, {separator} divides it otherwise{names}"
             ),
         )
@@ -768,15 +768,17 @@ impl Found<'_> {
             true => {
                 let j = usize::from(index);
                 let (line, word) = word(j);
-                let separator = option("separator");
-                Err(self.fail(
-                    line,
-                    format!(
-                        "no column of numbers: column {} has words, such as {word}; {separator} \
-                         divides rows otherwise",
-                        name(j)
-                    ),
-                ))
+                let mut rows = self.rows(data, width);
+                let how = match width == 1 && rows.all(SampleRow::is_quoted) {
+                    true => {
+                        "each row is in quotes, which hide its separators: take them off".into()
+                    }
+                    false => format!("{} divides rows otherwise", option("separator")),
+                };
+                let column = name(j);
+                let what =
+                    format!("no column of numbers: column {column} has words, such as {word}");
+                Err(self.fail(line, format!("{what}; {how}")))
             }
             false => Ok((used, left_out)),
         }

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::encoding;
 use super::layout::{Layout, Use};
-use super::message::{excerpt, option};
+use super::message::{excerpt, fields, option};
 use super::number;
 use super::options::Missing;
 use super::reading::RoundedIntegers;
@@ -222,11 +222,11 @@ impl Piece {
     }
 
     fn ragged(&self, layout: &Layout) -> String {
-        let (count, width) = (self.splitter.len(), layout.uses.len());
+        let (found, width) = (fields(self.splitter.len()), layout.uses.len());
         let line = layout.first_line;
         let options = ["separator", "comment", "skip"].map(option).join(", ");
         format!(
-            "{count} fields in this row, {width} in that of line {line}: options that divide rows \
+            "{found} in this row, {width} in that of line {line}: options that divide rows \
              otherwise are {options}"
         )
     }

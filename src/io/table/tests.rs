@@ -603,6 +603,12 @@ fn quotes_that_backslashes_make_part_of_a_field_are_read_where_fields_are_torn_w
 }
 
 #[test]
+fn rows_in_quotes_are_named() {
+    let quoted = "\"a,b\"\n\"1.5,2\"\n\"3.5,5\"\n\"4,4.5\"\n";
+    refused(quoted, &auto(), 2, &["\"1.5,2\"; each row is in quotes"]);
+}
+
+#[test]
 fn files_that_are_no_tables_are_named_with_what_converts_them() {
     let svmlight = "1 1:1.5 2:2\n-1 1:3.5\n1 2:4\n";
     refused(svmlight, &auto(), 1, &["libsvm", "load_svmlight_file", "scipy.sparse.save_npz"]);
