@@ -93,8 +93,8 @@ pub(super) fn find(
     }
 }
 
-/// Returns a syntax in which a backslash makes a quote one of its field, with its records, if fields
-/// are torn without it and none is with it; else what is given.
+/// Returns a syntax in which a backslash makes a quote one of its field, with its records, if
+/// fields are torn without it and none is with it; else what is given.
 fn with_escapes(
     text: &[u8],
     is_last: bool,
