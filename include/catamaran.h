@@ -886,8 +886,9 @@ typedef struct cata_table_params {
 cata_status cata_table_params_init(cata_table_params *params, size_t struct_size);
 
 /** Reads the matrix in a file, whose `path` is in UTF-8: a text table or .npy, each also packed
- * (.gz, .xz, .zip), an array of .npz (`FILE.npz:NAME`), or .mtx without coordinates. A column of
- * words is left out unless it is a factor. Errors name the file, the line and the column. */
+ * (.gz, .xz, .bz2, .zip), an array of .npz (`FILE.npz:NAME`), or .mtx without coordinates.
+ * A column of words is left out unless it is a factor. Errors name the file, the line and the
+ * column. */
 cata_status cata_table_read(const char *path, const cata_table_params *params, cata_table **table);
 
 /** Gets the number of rows, the number of columns, and the number of rows that were left out
@@ -1162,7 +1163,7 @@ cata_status cata_ortho_cholesky_qr(int32_t layout, size_t n, size_t c, double *a
  * @defgroup mesh_files Mesh files
  * Meshes with texture coordinates, normals, colours and names, from and to files (.obj, .ply,
  * .off, .stl, .glb, .gltf, .vtk, .gii and .3mf, also packed: .gz) and their bytes in memory; also
- * from .vtp, .vtu, .msh, surfaces of FreeSurfer, and what .xz and .zip pack.
+ * from .vtp, .vtu, .msh, surfaces of FreeSurfer, and what .xz, .bz2 and .zip pack.
  * @code{.c}
  * const char text[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
  * cata_mesh_file *file;
@@ -1221,7 +1222,7 @@ cata_status cata_mesh_file_new(size_t n_vertices, const double *vertices, size_t
 /** Reads a mesh in the format that the name of the file says; where its content has another one,
  * that of the content. Polygons are cut into triangles, and the triangles that have a vertex twice
  * are left out. CATA_ERR_IO: the message names the file, the line, and what is wrong with it.
- * - `path`: NUL-terminated; with .gz or .xz at its end, packed. */
+ * - `path`: NUL-terminated; with .gz, .xz or .bz2 at its end, packed. */
 cata_status cata_mesh_file_read(const char *path, const cata_mesh_file_params *params,
     cata_mesh_file **file);
 
@@ -2692,7 +2693,7 @@ cata_status cata_plant_new(size_t n, const double *tails, const double *radii,
     const cata_plant_params *params, cata_plant **plant);
 
 /** Reads the plant in a file: .txt (the reference format: `verts N`, ...), .swc, .mtg or .obj
- * (polylines), each also as .gz or .xz. `path` is in UTF-8. */
+ * (polylines), each also as .gz, .xz or .bz2. `path` is in UTF-8. */
 cata_status cata_plant_read(const char *path, const cata_plant_params *params, cata_plant **plant);
 
 /** Grows a random plant of n >= 1 nodes, the same for the same seed. */

@@ -2,7 +2,7 @@
 //!
 //! Meshes with texture coordinates, normals, colours and names, from and to files (.obj, .ply,
 //! .off, .stl, .glb, .gltf, .vtk, .gii and .3mf, also packed: .gz) and their bytes in memory; also
-//! from .vtp, .vtu, .msh, surfaces of FreeSurfer, and what .xz and .zip pack.
+//! from .vtp, .vtu, .msh, surfaces of FreeSurfer, and what .xz, .bz2 and .zip pack.
 //!
 //! ```c
 //! const char text[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
@@ -133,7 +133,7 @@ pub unsafe extern "C" fn cata_mesh_file_new(
 /// that of the content. Polygons are cut into triangles, and the triangles that have a vertex twice
 /// are left out. CATA_ERR_IO: the message names the file, the line, and what is wrong with it.
 ///
-/// - `path`: NUL-terminated; with .gz or .xz at its end, packed.
+/// - `path`: NUL-terminated; with .gz, .xz or .bz2 at its end, packed.
 ///
 /// # Safety
 /// The pointers are as described.

@@ -164,7 +164,7 @@ pub unsafe extern "C" fn cata_plant_new(
 }
 
 /// Reads the plant in a file: .txt (the reference format: `verts N`, ...), .swc, .mtg or .obj
-/// (polylines), each also as .gz or .xz. `path` is in UTF-8.
+/// (polylines), each also as .gz, .xz or .bz2. `path` is in UTF-8.
 ///
 /// # Safety
 /// The pointers are as described.

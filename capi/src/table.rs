@@ -121,8 +121,9 @@ pub unsafe extern "C" fn cata_table_params_init(
 }
 
 /// Reads the matrix in a file, whose `path` is in UTF-8: a text table or .npy, each also packed
-/// (.gz, .xz, .zip), an array of .npz (`FILE.npz:NAME`), or .mtx without coordinates. A column of
-/// words is left out unless it is a factor. Errors name the file, the line and the column.
+/// (.gz, .xz, .bz2, .zip), an array of .npz (`FILE.npz:NAME`), or .mtx without coordinates.
+/// A column of words is left out unless it is a factor. Errors name the file, the line and the
+/// column.
 ///
 /// # Safety
 /// The pointers are as described.

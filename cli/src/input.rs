@@ -20,7 +20,7 @@ use crate::report::note;
 
 /// Returns the help of an argument that names a mesh to be read.
 pub fn mesh_help(what: &str) -> String {
-    format!("{what}: {}, and .gz, .xz, .zst or .zip after it", MeshFormat::readable())
+    format!("{what}: {}, and .gz, .xz, .bz2, .zst or .zip after it", MeshFormat::readable())
 }
 
 /// How a command repairs the mesh that it reads.

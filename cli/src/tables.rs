@@ -168,7 +168,8 @@ pub fn say(path: &Path, reading: &TableReading) -> Result<()> {
         skipped_lines = reading.skipped_lines,
         index = reading.index,
         left_out = reading.left_out,
-        dropped_rows = reading.dropped_rows;
+        dropped_rows = reading.dropped_rows,
+        rounded_integers = reading.rounded.as_ref().map_or(0, |rounded| rounded.count);
         "{name}: {reading}"
     )
 }

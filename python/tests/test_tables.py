@@ -81,6 +81,12 @@ def test_options_decide_what_a_file_leaves_open(tmp_path):
         catamaran.read(path, missing="no")
 
 
+def test_a_warning_says_how_many_integers_are_rounded(tmp_path):
+    path = write(tmp_path, "x,id\n1,2\n2,9007199254740993\n3,9007199254740995\n")
+    with pytest.warns(UserWarning, match="2 integers beyond 2.53 rounded, the first in line 3"):
+        assert catamaran.read(path).values[1, 1] == 2.0**53
+
+
 def test_other_formats_are_read(tmp_path):
     path = tmp_path / "a.npy"
     np.save(path, np.array([[True, False], [False, True]]))

@@ -1,5 +1,5 @@
 //! Matrix files: NumPy `.npy`, MatrixMarket `.mtx` and text tables (`.csv`, `.tsv`, `.txt`), each
-//! also packed (`.gz`, `.xz`, `.zip`); several arrays in one NumPy `.npz` or HDF5 file
+//! also packed (`.gz`, `.xz`, `.bz2`, `.zip`); several arrays in one NumPy `.npz` or HDF5 file
 //! ([`write_arrays`], [`read_arrays()`]). Files of rows, read block by block ([`RowFile`]): `.npy`,
 //! and HDF5 with feature `hdf5`. Parquet, Arrow and `.zst` files with feature `columnar`.
 //!
@@ -10,6 +10,7 @@
 mod accumulator;
 mod archive;
 mod arrays;
+mod bz2;
 #[cfg(feature = "columnar")]
 mod columnar;
 mod columns;
@@ -61,7 +62,9 @@ pub use rows::RowFile;
 /// The sparse matrix of [`Matrix::Sparse`], from crate sprs.
 pub use sprs::CsMat;
 pub use strips::StripOutput;
-pub use table::{ColumnKind, Missing, Separator, TableColumn, TableOptions, TableReading, Words};
+pub use table::{
+    ColumnKind, Missing, RoundedIntegers, Separator, TableColumn, TableOptions, TableReading, Words,
+};
 pub use table_file::TableFile;
 
 // For the other crates of this workspace: no part of the interface.
@@ -120,8 +123,8 @@ impl FileContent {
 ///   matrix as `scipy.sparse.save_npz` writes it.
 ///
 /// Other names leave the format to the content, and so does the name of a text for a binary file.
-/// The names may have `.gz`, `.xz`, `.zst` (feature `columnar`) or `.zip`, of an archive of one
-/// file, after them; whether a file is packed, its content says.
+/// The names may have `.gz`, `.xz`, `.bz2`, `.zst` (feature `columnar`) or `.zip`, of an archive of
+/// one file, after them; whether a file is packed, its content says.
 ///
 /// A file may take as much memory as `options.max_memory` says. A file whose header announces more
 /// is rejected before the memory is allocated.

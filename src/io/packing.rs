@@ -12,6 +12,8 @@ pub enum Packing {
     Gzip,
     /// By xz.
     Xz,
+    /// By bzip2.
+    Bzip2,
     /// By zstd (feature `columnar`).
     Zstd,
     /// The only file of a zip archive.
@@ -19,17 +21,17 @@ pub enum Packing {
 }
 
 /// How packed files begin, what their names end in, and what packs them.
-const PACKED: [(Packing, &[u8], &str, &str); 4] = [
+const PACKED: [(Packing, &[u8], &str, &str); 5] = [
     (Packing::Gzip, b"\x1f\x8b", ".gz", "gzip"),
     (Packing::Xz, b"\xfd7zXZ\0", ".xz", "xz"),
+    // Text may begin so, too: see `is_bzip2`.
+    (Packing::Bzip2, b"BZh", ".bz2", "bzip2"),
     (Packing::Zstd, b"\x28\xb5\x2f\xfd", ".zst", "zstd"),
     (Packing::Zip, b"PK\x03\x04", ".zip", "zip"),
 ];
 
 /// Packers that are not supported: where their files have which bytes.
-const OTHERS: [(usize, &[u8], &str); 5] = [
-    // Of the first block: text may begin like the file itself.
-    (4, b"1AY&SY", "bzip2 (.bz2)"),
+const OTHERS: [(usize, &[u8], &str); 4] = [
     (0, b"7z\xbc\xaf\x27\x1c", "7-Zip (.7z)"),
     (0, b"\x04\x22\x4d\x18", "LZ4 (.lz4)"),
     (0, b"\x1f\x9d", "compress (.Z)"),
@@ -49,7 +51,10 @@ impl Packing {
     /// Returns the packing of a file that begins with these bytes.
     #[doc(hidden)]
     pub fn of_content(head: &[u8]) -> Self {
-        match PACKED.iter().find(|(_, magic, ..)| head.starts_with(magic)) {
+        let begins = |(packing, magic, ..): &&(Self, &[u8], &str, &str)| {
+            head.starts_with(magic) && (*packing != Self::Bzip2 || is_bzip2(head))
+        };
+        match PACKED.iter().find(begins) {
             Some(&(packing, ..)) => packing,
             // A frame of zstd that is skipped.
             None if matches!(head, [0x50..=0x5f, 0x2a, 0x4d, 0x18, ..]) => Self::Zstd,
@@ -74,8 +79,8 @@ impl Packing {
         };
         if let Some((.., packer)) = OTHERS.iter().find(is_other) {
             return Err(io::Error::other(format!(
-                "is packed by {packer}, which is not supported: .gz, .xz, .zst and .zip are; or \
-                 unpack it first"
+                "is packed by {packer}, which is not supported: .gz, .xz, .bz2, .zst and .zip \
+                 are; or unpack it first"
             )));
         }
         if self == Self::Zstd && cfg!(not(feature = "columnar")) {
@@ -85,7 +90,8 @@ impl Packing {
         }
         let Some((_, magic, ending, _)) = self.named() else { return Ok(()) };
         // The readers say that a file is truncated.
-        if Self::of_content(head) == self || magic.starts_with(head) {
+        let is_cut = magic.starts_with(head) || self == Self::Bzip2 && is_start_of_bzip2(head);
+        if Self::of_content(head) == self || is_cut {
             return Ok(());
         }
         Err(io::Error::other(format!("is not a {ending} file: damaged, or not packed")))
@@ -100,6 +106,28 @@ impl Packing {
     fn named(self) -> Option<&'static (Self, &'static [u8], &'static str, &'static str)> {
         PACKED.iter().find(|(packing, ..)| *packing == self)
     }
+}
+
+/// What follows the size of blocks in a stream of bzip2: a block, or the end of an empty stream.
+const BZIP2: [&[u8; 6]; 2] = [b"1AY&SY", b"\x17\x72\x45\x38\x50\x90"];
+
+/// Bytes of a stream of bzip2 before its first block.
+const BZIP2_HEADER: usize = 4;
+
+/// Returns whether a file that begins with these bytes is packed by bzip2.
+fn is_bzip2(head: &[u8]) -> bool {
+    head.len() >= BZIP2_HEADER + BZIP2[0].len() && is_start_of_bzip2(head)
+}
+
+/// Returns whether these bytes, of which there may be few, begin a stream of bzip2.
+fn is_start_of_bzip2(head: &[u8]) -> bool {
+    let (header, rest) = head.split_at(head.len().min(BZIP2_HEADER));
+    let is_header = match header {
+        [b'B', b'Z', b'h', size] => matches!(size, b'1'..=b'9'),
+        header => b"BZh".starts_with(header),
+    };
+    let rest = &rest[..rest.len().min(BZIP2[0].len())];
+    is_header && BZIP2.iter().any(|magic| magic.starts_with(rest))
 }
 
 impl fmt::Display for Packing {
@@ -132,15 +160,15 @@ mod tests {
     fn a_file_that_is_packed_otherwise_is_refused_by_the_name_of_its_packer() {
         let refused = |packing: Packing, head: &[u8]| packing.check(head).unwrap_err().to_string();
         for packing in [Packing::None, Packing::Gzip, Packing::Zip] {
-            let bzip2 = refused(packing, b"BZh91AY&SY\x94");
-            assert!(bzip2.contains("packed by bzip2 (.bz2), which is not"), "{bzip2}");
             let lz4 = refused(packing, b"\x04\x22\x4d\x18\x60");
             assert!(lz4.contains("packed by LZ4 (.lz4), which is not"), "{lz4}");
         }
         let lzma = refused(Packing::None, b"\x5d\0\0\x80\0\xff");
         assert!(lzma.contains("packed by LZMA (.lzma), which is not"), "{lzma}");
-        // Text that only begins in the same way.
-        assert!(Packing::None.check(b"BZh 1 2 3\n").is_ok());
+        for text in [&b"BZh,1AY\n"[..], b"BZh01AY&SY", b"BZh91AY&SX", b"BZh9,2\n"] {
+            let refused = refused(Packing::Bzip2, text);
+            assert_eq!(refused, "is not a .bz2 file: damaged, or not packed");
+        }
         let plain = refused(Packing::Gzip, b"1,2\n3,4\n");
         assert_eq!(plain, "is not a .gz file: damaged, or not packed");
         for (packing, head) in [
@@ -152,6 +180,11 @@ mod tests {
             #[cfg(feature = "columnar")]
             (Packing::Zstd, b"\x5e\x2a\x4d\x18\x04\0\0\0"),
             (Packing::Zip, b"PK"),
+            (Packing::Bzip2, b""),
+            (Packing::Bzip2, b"BZh9"),
+            (Packing::Bzip2, b"BZh91AY&S"),
+            // Text that only begins as a packed file does.
+            (Packing::None, b"BZh9,1AY&SY\n"),
         ] {
             assert!(packing.check(head).is_ok(), "{packing:?} {head:?}");
         }
@@ -163,6 +196,13 @@ mod tests {
         assert_eq!(Packing::None.or_of_content(b"PK\x03\x04\x14\0"), Packing::Zip);
         assert_eq!(Packing::Gzip.or_of_content(b"1,2\n"), Packing::Gzip);
         assert_eq!(Packing::of("a.csv.zst"), ("a.csv", Packing::Zstd));
+        for head in [b"BZh11AY&SY", b"BZh9\x17\x72\x45\x38\x50\x90"] {
+            assert_eq!(Packing::Gzip.or_of_content(head), Packing::Bzip2);
+        }
+        for text in [&b"BZh 1 2 3\n"[..], b"BZh91AY&S", b"BZh01AY&SY", b"BZh9,1AY&SY"] {
+            assert_eq!(Packing::of_content(text), Packing::None, "{text:?}");
+        }
+        assert_eq!(Packing::of("a.csv.bz2"), ("a.csv", Packing::Bzip2));
         assert_eq!(Packing::Zip.to_string(), "packed by zip");
     }
 }

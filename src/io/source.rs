@@ -7,7 +7,7 @@ use super::limits::{LARGER_MAX_MEMORY, SourceOptions, check_memory, longest_line
 use super::packing::{Packing, TRUNCATED};
 #[cfg(feature = "columnar")]
 use super::zstd;
-use super::{gzip, xz, zipped};
+use super::{bz2, gzip, xz, zipped};
 use crate::base::{Error, Progress, Result};
 
 /// Bytes read from the disk at a time.
@@ -75,6 +75,7 @@ impl<'a> Source<'a> {
             Packing::None => Box::new(raw),
             Packing::Gzip => limited(Box::new(gzip::Unpacker::new(raw))),
             Packing::Xz => limited(Box::new(xz::Unpacker::new(raw))),
+            Packing::Bzip2 => limited(Box::new(bz2::Unpacker::new(raw))),
             #[cfg(feature = "columnar")]
             Packing::Zstd => limited(Box::new(zstd::Unpacker::new(raw, memory))),
             // Refused above.

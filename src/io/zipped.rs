@@ -70,6 +70,12 @@ impl Member {
         let number = match &found[..] {
             [(number, _)] => *number,
             [] => return Err(fail("a zip archive without a file")),
+            several if several.iter().any(|(_, name)| name.starts_with("xl/")) => {
+                return Err(fail("an Excel workbook (.xlsx): save a sheet as CSV"));
+            }
+            several if several.iter().any(|(_, name)| name == "content.xml") => {
+                return Err(fail("a file of OpenDocument (.ods): save a sheet as CSV"));
+            }
             several => {
                 let (count, names) = (several.len(), several.iter().map(|(_, name)| name));
                 let names = listed(&names.collect::<Vec<_>>());
@@ -164,6 +170,10 @@ mod tests {
         };
         let several = refused(&["a.csv", "b/c.csv"]);
         assert!(several.contains("archive of 2 files, not of one: a.csv, b/c.csv"), "{several}");
+        let excel = refused(&["[Content_Types].xml", "xl/workbook.xml"]);
+        assert!(excel.ends_with("an Excel workbook (.xlsx): save a sheet as CSV"), "{excel}");
+        let open = refused(&["mimetype", "content.xml"]);
+        assert!(open.ends_with("a file of OpenDocument (.ods): save a sheet as CSV"), "{open}");
         let none = refused(&["b/"]);
         assert!(none.ends_with("a zip archive without a file"), "{none}");
     }

@@ -75,6 +75,12 @@ static void test_numbers_and_names(void)
     CHECK_STATUS(cata_table_shape(NULL, NULL, NULL, &dropped), CATA_ERR_NULL);
     cata_table_free(table);
     cata_table_free(NULL);
+    write_file("x,id\n1.5,2\n2,9007199254740993\n3,4\n");
+    table = read_as(NULL, 3, 2);
+    CHECK_TEXT(cata_table_reading(table),
+               "separator ,, decimal point, header, "
+               "an integer beyond 2^53 rounded, in line 3, column 2 (id)");
+    cata_table_free(table);
 }
 
 static void test_missing_cells(void)

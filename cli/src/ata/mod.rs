@@ -38,11 +38,11 @@ pub use unbounded::Unbounded;
 ///
 /// Complex matrices have A^H A. --times computes A^T B.
 ///
-/// Reads .npy, .mtx and text tables, each also packed (.gz, .xz, .zst, .zip), from a file or stdin
-/// (-), and HDF5 where it is built in (FILE.h5:/dataset). Sparse .mtx files stay sparse. A .npy or
-/// HDF5 file and a large table are read block by block, while the block before is multiplied: they
-/// may be larger than memory. Under `mpirun` (where MPI is built in) each rank takes a part of the
-/// rows.
+/// Reads .npy, .mtx and text tables, each also packed (.gz, .xz, .bz2, .zst, .zip), from a file or
+/// stdin (-), and HDF5 where it is built in (FILE.h5:/dataset). Sparse .mtx files stay sparse. A
+/// .npy or HDF5 file and a large table are read block by block, while the block before is
+/// multiplied: they may be larger than memory. Under `mpirun` (where MPI is built in) each rank
+/// takes a part of the rows.
 #[derive(clap::Args)]
 pub struct Args {
     /// The matrix A, m x n.

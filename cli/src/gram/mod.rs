@@ -34,8 +34,8 @@ pub const SHOWN: usize = 50;
 /// The rows, and how they are added.
 #[derive(clap::Args)]
 pub struct GramArgs {
-    /// The matrix A, m x n: .npy, .mtx and text tables, each also packed (.gz, .xz, .zst, .zip),
-    /// from a file or stdin (-), and HDF5 where it is built in (FILE.h5:/dataset).
+    /// The matrix A, m x n: .npy, .mtx and text tables, each also packed (.gz, .xz, .bz2,
+    /// .zst, .zip), from a file or stdin (-), and HDF5 where it is built in (FILE.h5:/dataset).
     #[arg(value_name = "A")]
     input: MatrixFile,
     #[command(flatten)]

@@ -75,7 +75,7 @@ const NOT_OF_LEAVES: [&str; 11] = [
 #[command(group = ArgGroup::new("random").args(["grow", "wind"]).multiple(true))]
 pub struct Args {
     /// The plant: .txt (`verts N`, ...), .swc, .mtg or .obj (polylines), each also packed (.gz,
-    /// .xz, .zst, .zip).
+    /// .xz, .bz2, .zst, .zip).
     #[arg(value_name = "PLANT", required_unless_present_any = ["grow", "weather"])]
     plant: Option<PathBuf>,
     /// The name of one of several plants in an .mtg file, such as P3.

@@ -399,7 +399,7 @@ fn bad_input_is_one_line_that_names_file_and_line() {
         ("long.npy", "long.npy: data after"),
         ("header.npy", "header.npy: broken npy header"),
         ("header.mtx", "header.mtx:1: broken MatrixMarket header"),
-        ("ragged.csv", "ragged.csv:3: 1 fields"),
+        ("ragged.csv", "ragged.csv:3: 1 field in"),
         ("text.csv", "text.csv:2: column 2: \"x\" is not a number"),
         ("a.xls", "a.xls: no such file"),
     ] {

@@ -67,6 +67,11 @@ fn what_was_decided_is_said_once() {
     assert!(said.contains(r#""record":"table","path":"a.csv","separator":";""#), "{said}");
     folder.write("b.csv", "x,y\n1,2\n3,5\n4,4\n");
     assert_eq!(folder.run("ata b.csv").stderr, "");
+    folder.write("d.csv", "x,id\n1.5,2\n2,9007199254740993\n3,4\n");
+    let said = "note: d.csv: separator ,, decimal point, header, an integer beyond 2^53 rounded, \
+                in line 3, column 2 (id)\n";
+    assert_eq!(folder.run("ata d.csv").stderr, said);
+    assert!(folder.succeed("--json ata d.csv").contains(r#""rounded_integers":1"#));
     // Numbers are those of the file, also where columns are left out.
     let said = folder.succeed("lstsq a.csv --by-column 2");
     assert!(said.lines().any(|line| line.starts_with("x ")), "{said}");

@@ -256,6 +256,12 @@ fn packed_files_are_read_and_gzipped_ones_written() {
         fs::write(&path, &XZ[..cut]).unwrap();
         assert!(read(&path).is_err(), "{cut}");
     }
+    let path = folder.path("triangle.obj.bz2");
+    fs::write(&path, BZ2).unwrap();
+    assert_eq!(read(&path).unwrap().mesh.faces(), [[0, 1, 2]]);
+    fs::write(&path, &BZ2[..BZ2.len() - 1]).unwrap();
+    assert!(read(&path).is_err());
+    let path = folder.path("triangle.obj.xz");
     let mut rng = Rng::new(1);
     for _ in 0..500 {
         let mut bytes = XZ.to_vec();
@@ -268,6 +274,15 @@ fn packed_files_are_read_and_gzipped_ones_written() {
     let refused = read(&path).unwrap_err();
     assert!(refused.to_string().contains("dictionary"), "{refused}");
 }
+
+/// The same by Python's bz2.
+#[rustfmt::skip]
+const BZ2: [u8; 59] = [
+    0x42, 0x5a, 0x68, 0x39, 0x31, 0x41, 0x59, 0x26, 0x53, 0x59, 0x14, 0x8b, 0xc2, 0x85, 0x00, 0x00,
+    0x0e, 0xd9, 0x80, 0x00, 0x10, 0x40, 0x00, 0x78, 0x00, 0x01, 0x00, 0x01, 0x00, 0x20, 0x00, 0x31,
+    0x0c, 0x08, 0x12, 0xa7, 0xea, 0x86, 0x9f, 0xaa, 0x6f, 0x13, 0xa8, 0xb0, 0xb7, 0x28, 0x35, 0x07,
+    0xc5, 0xdc, 0x91, 0x4e, 0x14, 0x24, 0x05, 0x22, 0xf0, 0xa1, 0x40,
+];
 
 #[rustfmt::skip]
 const XZ: [u8; 80] = [

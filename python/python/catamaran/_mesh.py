@@ -45,7 +45,8 @@ __all__ = [
 
 
 def read_mesh(path: Path, *, attributes: bool = False) -> Any:
-    """Read a mesh, in a format of docs/guide/mesh-files.md, also packed (.gz, .xz, .zst, .zip).
+    """Read a mesh, in a format of docs/guide/mesh-files.md, also packed (.gz, .xz, .bz2, .zst,
+    .zip).
 
     Parameters
     ----------

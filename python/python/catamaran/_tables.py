@@ -85,7 +85,7 @@ def read(
     progress: Progress = None,
 ) -> Table:
     """Read a matrix from a text table, .npy or MatrixMarket, each also packed (.gz, .xz,
-    .zst, .zip), or from Parquet or Arrow (Feather).
+    .bz2, .zst, .zip), or from Parquet or Arrow (Feather).
 
     A file has one reading or none: by default its beginning decides how a table is read, and what
     it leaves open is an error that names the option that decides.

@@ -16,10 +16,10 @@ const INTRODUCTION: &str = "\
 # Formats of mesh files
 
 Written by `cargo xtask options` from the table in geometry/src/mesh/io/formats.rs. Every command
-and every function that takes a mesh file reads all of these formats, also with `.gz`, `.xz` or
-`.zip` (of one file) after the ending, or `.zst` where the feature `columnar` is built in, as in the
-command line and in Python. They write those that are not marked \"read only\", also with `.gz`. The
-content of a file decides its format; the ending is a hint.
+and every function that takes a mesh file reads all of these formats, also with `.gz`, `.xz`, `.bz2`
+or `.zip` (of one file) after the ending, or `.zst` where the feature `columnar` is built in, as in
+the command line and in Python. They write those that are not marked \"read only\", also with `.gz`.
+The content of a file decides its format; the ending is a hint.
 
 | Format | Endings | Coordinates | Beside positions and faces |
 |---|---|---|---|

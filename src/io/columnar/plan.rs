@@ -38,9 +38,11 @@ pub fn plan(
         index: false,
         trailing_separator: false,
         has_commented_rows: false,
+        has_escaped_quotes: false,
         left_out: Vec::new(),
         columns: Vec::new(),
         dropped_rows: 0,
+        rounded: None,
     };
     for number in chosen {
         let Field { name, kind } = &fields[number];

@@ -5,10 +5,11 @@ use std::io::Read;
 use faer::MatMut;
 use memchr::{memchr, memrchr};
 
+use super::foreign;
 use super::layout::{Decided, Layout, decide};
 use super::options::TableOptions;
 use super::piece::Piece;
-use super::reading::TableReading;
+use super::reading::{RoundedIntegers, TableReading};
 use super::text::Text;
 use crate::base::{Par, Real, Result};
 use crate::io::columns::Columns;
@@ -26,6 +27,8 @@ const MOST_PIECES: usize = 8;
 pub(super) struct Engine<R> {
     pub text: Text<R>,
     pub layout: Layout,
+    /// The integers that were rounded so far.
+    pub rounded: Option<RoundedIntegers>,
     pieces: Vec<Piece>,
     par: Par,
 }
@@ -50,7 +53,7 @@ pub(super) fn begin<R: Read>(
         // The last line may be cut.
         let whole = if is_last { held.len() } else { end_of_lines(held) };
         if memchr(0, &held[..whole]).is_some() {
-            return Err(text.fail(0, "not text: it has a zero byte"));
+            return Err(text.fail(0, foreign::binary(held)));
         }
         let found = match whole {
             0 if !is_last => None,
@@ -81,7 +84,7 @@ impl<R: Read> Engine<R> {
     pub fn new(text: Text<R>, layout: Layout, par: Par) -> Self {
         let par = par.at_most(MOST_PIECES);
         let pieces = (0..par.threads()).map(|_| Piece::new(&layout)).collect();
-        Self { text, layout, pieces, par }
+        Self { text, layout, rounded: None, pieces, par }
     }
 
     /// Reads some rows, or only counts them; `None` at the end of the file. The rows are those of
@@ -116,6 +119,11 @@ impl<R: Read> Engine<R> {
             for piece in &self.pieces {
                 if let Some(fault) = &piece.fault {
                     return Err(self.text.fail(lines + fault.line, fault.what.clone()));
+                }
+                if let Some(more) = &piece.rounded {
+                    let line = self.text.lines + lines + more.line + 1;
+                    let first = || RoundedIntegers { count: 0, line, ..more.clone() };
+                    self.rounded.get_or_insert_with(first).count += more.count;
                 }
                 batch.rows += piece.rows;
                 batch.dropped += piece.dropped;

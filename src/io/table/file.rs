@@ -113,6 +113,7 @@ impl TextFile {
         factors.sort(&mut [], engine.layout.ncols.max(1));
         factors.give_levels(&mut reading);
         reading.dropped_rows = dropped;
+        reading.rounded = engine.rounded.take();
         Ok(Some(Self {
             path: path.into(),
             options: table.clone(),

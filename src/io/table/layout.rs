@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use super::encoding;
-use super::message::{excerpt, option};
+use super::foreign;
+use super::message::{excerpt, fields, option};
 use super::missing::MissingWords;
 use super::number::{self, NOTATIONS, Notation, PLAIN, Readings};
 use super::options::{Missing, Separator, TableOptions, Words};
@@ -106,6 +107,9 @@ pub(super) fn decide(
     }
     let separator = options.separator.or(said);
     let rest = &text[start..];
+    if let (None, Some((at, what))) = (separator, foreign::text(rest)) {
+        return Err(error(path, line - 1 + at, what));
+    }
     let (syntax, sample) = find(rest, is_last, line, separator, options, &missing_words);
     if !is_last && sample.rows.len() < LEAST_ROWS {
         return Ok(None);
@@ -388,10 +392,12 @@ impl Found<'_> {
             skipped_lines: 0,
             index: index && self.columns.is_all(),
             trailing_separator: trailing > 0,
+            has_escaped_quotes: self.syntax.has_escapes,
             has_commented_rows: self.has_commented_rows(&kinds),
             left_out,
             columns,
             dropped_rows: 0,
+            rounded: None,
         };
         reading.set_notation(notation);
         if width > 1 {
@@ -528,16 +534,26 @@ impl Found<'_> {
     fn header_of_words(&self, cells: &[Cell], width: usize) -> Result<Header> {
         let kind = |j: usize| self.kind(1, width, j);
         let words = || (0..cells.len()).filter(move |&j| cells[j] == Cell::Word);
-        if words().any(|j| kind(j) != Kind::Words) {
-            return Ok(Header::Names);
+        let first = &self.sample.rows[0];
+        let has_number = cells.iter().any(|cell| cell.is_number());
+        let mut above_numbers = words().filter(|&j| kind(j) != Kind::Words).peekable();
+        if above_numbers.peek().is_some() {
+            // Beside a number `1.5*` or `?` is as well a cell that can't be read, and so is any
+            // word beside a fraction that could be one of its column.
+            let is_fraction =
+                |j: usize| cells[j].is_number() && !first.fields[j].iter().all(u8::is_ascii_digit);
+            let is_doubtful = has_number && above_numbers.all(|j| is_no_name(&first.fields[j]))
+                || (0..cells.len()).any(is_fraction) && !self.may_be_names(cells, width, false);
+            return match is_doubtful && !self.only_first_is_quoted() {
+                true => Err(self.two_readings()),
+                false => Ok(Header::Names),
+            };
         }
         // All its words are in columns of words.
-        let first = &self.sample.rows[0];
         let is_level = |j: usize| self.rows(1, width).any(|row| row.fields[j] == first.fields[j]);
         if words().any(is_level) {
             return Ok(Header::No(Vec::new()));
         }
-        let has_number = cells.iter().any(|cell| cell.is_number());
         if !has_number || self.may_be_names(cells, width, false) {
             return Ok(Header::Names);
         }
@@ -627,7 +643,7 @@ impl Found<'_> {
 
     fn ragged(&self, len: usize, width: usize) -> crate::Error {
         let first = &self.sample.rows[0];
-        let text = excerpt(&first.fields.join(&b' '));
+        let (found, text) = (fields(len), excerpt(&first.fields.join(&b' ')));
         let (skip, separator) = (option("skip"), option("separator"));
         let line = first.line;
         // Rows may have an index without a name.
@@ -638,7 +654,7 @@ impl Found<'_> {
         self.fail(
             line,
             format!(
-                "{len} fields in this row, {width} in those after it: {text}; {skip} = {line} \
+                "{found} in this row, {width} in those after it: {text}; {skip} = {line} \
                  leaves it out, {separator} divides it otherwise{names}"
             ),
         )
@@ -752,15 +768,17 @@ impl Found<'_> {
             true => {
                 let j = usize::from(index);
                 let (line, word) = word(j);
-                let separator = option("separator");
-                Err(self.fail(
-                    line,
-                    format!(
-                        "no column of numbers: column {} has words, such as {word}; {separator} \
-                         divides rows otherwise",
-                        name(j)
-                    ),
-                ))
+                let mut rows = self.rows(data, width);
+                let how = match width == 1 && rows.all(SampleRow::is_quoted) {
+                    true => {
+                        "each row is in quotes, which hide its separators: take them off".into()
+                    }
+                    false => format!("{} divides rows otherwise", option("separator")),
+                };
+                let column = name(j);
+                let what =
+                    format!("no column of numbers: column {column} has words, such as {word}");
+                Err(self.fail(line, format!("{what}; {how}")))
             }
             false => Ok((used, left_out)),
         }
@@ -835,6 +853,19 @@ impl Found<'_> {
         }
         Ok(chosen)
     }
+}
+
+/// Words of missing cells that are none by default, in small letters.
+const NO_NAMES: [&str; 7] = ["\\n", "missing", "n.a.", "n.d.", "nd", "nil", "undefined"];
+
+/// Returns whether a word has no letter before its first digit, or is an error of a spreadsheet or
+/// stands for a missing cell elsewhere: names are hardly so.
+fn is_no_name(word: &[u8]) -> bool {
+    let text = encoding::text(word);
+    let is_missing = NO_NAMES.contains(&&text.to_lowercase()[..]);
+    let first = text.chars().find(|c| c.is_alphanumeric());
+    let is_error = text.starts_with('#') && text.ends_with(['!', '?']);
+    is_error || is_missing || !first.is_some_and(char::is_alphabetic)
 }
 
 /// Returns a number in whichever notation reads it first.

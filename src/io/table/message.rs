@@ -24,6 +24,14 @@ pub(super) fn excerpt(field: &[u8]) -> String {
     }
 }
 
+/// Returns a number of fields for a message.
+pub(super) fn fields(count: usize) -> String {
+    match count {
+        1 => "1 field".into(),
+        count => format!("{count} fields"),
+    }
+}
+
 /// Returns the error for a table without rows, behind so many lines.
 pub(super) fn no_rows(path: &Path, lines: usize, dropped: u64) -> Error {
     let what = match dropped {

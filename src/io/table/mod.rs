@@ -12,11 +12,14 @@
 //! - [`text`] holds a part of it, which [`engine`] divides among threads,
 //! - [`piece`] reads the records of a part, which [`splitter`] divides into fields,
 //! - [`number`] and [`missing`] read a field.
+//!
+//! [`foreign`] names files that are no tables.
 
 mod encoding;
 mod engine;
 mod factors;
 mod file;
+mod foreign;
 mod layout;
 mod message;
 mod missing;
@@ -38,6 +41,6 @@ pub(super) use self::message::option;
 pub use self::options::{Missing, Separator, TableOptions, Words};
 #[cfg(feature = "columnar")]
 pub(super) use self::piece::{Levels, texts};
-pub use self::reading::{ColumnKind, TableColumn, TableReading};
+pub use self::reading::{ColumnKind, RoundedIntegers, TableColumn, TableReading};
 pub(super) use self::whole::read;
 pub(super) use self::write::write;

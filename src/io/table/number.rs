@@ -138,6 +138,47 @@ fn is_digits(text: &str) -> bool {
     text.bytes().all(|byte| byte.is_ascii_digit())
 }
 
+/// Digits of the shortest integers that f64 may round: 2^53 has so many.
+const LONG: usize = 16;
+
+/// Returns whether a text may have an integer that [`is_rounded`], and so whether its fields are
+/// worth a look.
+pub(super) fn may_be_rounded(text: &[u8], notation: Notation) -> bool {
+    // Thousands may be apart.
+    if notation.thousands.is_some() {
+        return true;
+    }
+    let mut at = LONG - 1;
+    // Each run of so many digits has one of these places.
+    while let Some(byte) = text.get(at) {
+        if byte.is_ascii_digit() {
+            let before = text[..at].iter().rev().take_while(|byte| byte.is_ascii_digit()).count();
+            let after = text[at..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+            let is_fraction = text[..at - before].last() == Some(&(notation.decimal as u8));
+            if before + after >= LONG && !is_fraction {
+                return true;
+            }
+            at += (after / LONG) * LONG;
+        }
+        at += LONG;
+    }
+    false
+}
+
+/// Returns whether a field is an integer in decimal digits that is not the f64 it is read as.
+pub(super) fn is_rounded(field: &[u8], notation: Notation) -> bool {
+    let text = encoding::text(unwrapped(field));
+    let unsigned = text.trim().trim_start_matches(['-', '+', MINUS]);
+    let mut digits = String::new();
+    if push_whole(unsigned, notation.thousands, &mut digits).is_none() {
+        return false;
+    }
+    let digits = digits.trim_start_matches('0');
+    // An f64 is printed with all of its digits.
+    let is_other = |value: f64| format!("{value:.0}") != digits;
+    digits.len() >= LONG && digits.parse().is_ok_and(is_other)
+}
+
 /// Returns what is in `"..."` or `="..."`, by which spreadsheets keep numbers from being changed,
 /// or in `'...'`, which databases write.
 fn unwrapped(field: &[u8]) -> &[u8] {
@@ -198,6 +239,44 @@ mod tests {
         }
         assert_eq!(number("-inf", 1), Some(f64::NEG_INFINITY));
         assert_eq!(parse(b"1\xa0299,5", NOTATIONS[5]), Some(1299.5), "Latin-1");
+    }
+
+    #[test]
+    fn integers_that_f64_rounds_are_known() {
+        for (text, i, rounded) in [
+            ("9007199254740992", 0, false),
+            ("9007199254740993", 0, true),
+            ("-9007199254740993", 0, true),
+            ("9007199254740994", 0, false),
+            ("0009007199254740993", 0, true),
+            ("\"9007199254740993\"", 0, true),
+            ("\u{2212}9007199254740993", 0, true),
+            ("18446744073709551615", 0, true),
+            ("18446744073709551616", 0, false),
+            // 2^130, and one more.
+            ("1361129467683753853853498429727072845824", 0, false),
+            ("1361129467683753853853498429727072845825", 0, true),
+            ("9,007,199,254,740,993", 2, true),
+            ("9.007.199.254.740.993", 3, true),
+            ("9007199254740993.5", 0, false),
+            ("0.9007199254740993", 0, false),
+            ("9007199254740993,5", 1, false),
+            ("nine", 0, false),
+            ("", 0, false),
+        ] {
+            let (field, notation) = (text.as_bytes(), NOTATIONS[i]);
+            assert_eq!(is_rounded(field, notation), rounded, "{text} in {notation:?}");
+            for blanks in 0..20 {
+                let line = [&b" 1 23456 7.123456789012345678 "[..], &vec![b' '; blanks], field];
+                let line = [&line.concat()[..], b" 5\n"].concat();
+                assert!(!rounded || may_be_rounded(&line, notation), "{text} behind {blanks}");
+            }
+        }
+        for usual in ["0.1234567890123456789,1.0e+100", "123456789012345,1", "", "1,2\n3,4\n"] {
+            assert!(!may_be_rounded(usual.as_bytes(), PLAIN), "{usual}");
+        }
+        let fractions = "0.12345678901234567890123456789012345678,9007199254740993";
+        assert!(may_be_rounded(fractions.as_bytes(), PLAIN));
     }
 
     #[test]

@@ -4,9 +4,10 @@ use std::collections::HashMap;
 
 use super::encoding;
 use super::layout::{Layout, Use};
-use super::message::{excerpt, option};
+use super::message::{excerpt, fields, option};
 use super::number;
 use super::options::Missing;
+use super::reading::RoundedIntegers;
 use super::splitter::{Found, Splitter};
 
 /// What is wrong with a record.
@@ -57,6 +58,8 @@ pub(super) struct Piece {
     /// Bytes of all whole records.
     pub bytes: usize,
     pub fault: Option<Fault>,
+    /// The integers that were rounded; the line of the first is one of the piece, from 0.
+    pub rounded: Option<RoundedIntegers>,
     /// Whether the first record is the first one of the table.
     pub is_start: bool,
 }
@@ -78,6 +81,7 @@ impl Piece {
             lines: 0,
             bytes: 0,
             fault: None,
+            rounded: None,
             is_start: false,
         }
     }
@@ -86,21 +90,32 @@ impl Piece {
     pub fn clear(&mut self) {
         self.values.clear();
         (self.rows, self.dropped, self.lines, self.bytes) = (0, 0, 0, 0);
-        self.fault = None;
+        (self.fault, self.rounded) = (None, None);
         self.levels.iter_mut().for_each(|levels| *levels = Levels::default());
     }
 
     /// Reads the records of a text, or only counts them. Nothing follows the text if it `is_last`.
     pub fn read(&mut self, layout: &Layout, text: &[u8], is_last: bool, counts_only: bool) {
         self.clear();
+        let has_long = number::may_be_rounded(text, layout.notation);
         while self.bytes < text.len() {
             let rest = &text[self.bytes..];
-            let (found, bytes) = self.splitter.step(rest, is_last, !counts_only);
+            let (found, bytes) = self.splitter.step(rest, is_last, !counts_only || has_long);
             match found {
                 Found::Nothing => return,
-                Found::Record if counts_only => self.rows += 1,
+                Found::Record if counts_only => {
+                    self.rows += 1;
+                    if has_long {
+                        self.count_rounded(layout, rest);
+                    }
+                }
                 Found::Record => match self.row(layout, rest) {
-                    Ok(Row::Kept) => self.rows += 1,
+                    Ok(Row::Kept) => {
+                        self.rows += 1;
+                        if has_long {
+                            self.count_rounded(layout, rest);
+                        }
+                    }
                     Ok(Row::Dropped) => self.dropped += 1,
                     Err(what) => {
                         self.fault = Some(Fault { line: self.lines, what });
@@ -178,6 +193,25 @@ impl Piece {
         Ok(Row::Kept)
     }
 
+    /// Counts the integers of the record that begins `text` which are rounded.
+    fn count_rounded(&mut self, layout: &Layout, text: &[u8]) {
+        let words = &layout.missing_words;
+        for (j, &used) in layout.uses.iter().enumerate().take(self.splitter.len()) {
+            let field = self.splitter.field(text, j);
+            let is_number = matches!(used, Use::Number(_)) && !words.holds(field);
+            if !is_number || !number::is_rounded(field, layout.notation) {
+                continue;
+            }
+            let value = number::parse(field, layout.notation).unwrap_or_default();
+            if words.numbers.contains(&value) {
+                continue;
+            }
+            let line = self.lines;
+            let first = || RoundedIntegers { count: 0, line, column: column(layout, j) };
+            self.rounded.get_or_insert_with(first).count += 1;
+        }
+    }
+
     /// Returns whether the record, which begins `text`, has more or fewer fields than others only
     /// because of separators at its end.
     fn differs_by_empty_fields(&self, layout: &Layout, text: &[u8]) -> bool {
@@ -188,11 +222,11 @@ impl Piece {
     }
 
     fn ragged(&self, layout: &Layout) -> String {
-        let (count, width) = (self.splitter.len(), layout.uses.len());
+        let (found, width) = (fields(self.splitter.len()), layout.uses.len());
         let line = layout.first_line;
         let options = ["separator", "comment", "skip"].map(option).join(", ");
         format!(
-            "{count} fields in this row, {width} in that of line {line}: options that divide rows \
+            "{found} in this row, {width} in that of line {line}: options that divide rows \
              otherwise are {options}"
         )
     }

@@ -34,6 +34,18 @@ pub enum ColumnKind {
     },
 }
 
+/// Integers of text that are beyond 2^53 and no f64, so that they were rounded to the nearest one.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct RoundedIntegers {
+    /// How many there are.
+    pub count: u64,
+    /// The line of the first one, from 1.
+    pub line: usize,
+    /// The column of the first one as messages call it: `column 2 (id)`, from 1.
+    pub column: String,
+}
+
 /// How a text table was read. A face prints it once ([`Display`](fmt::Display)).
 ///
 /// ```
@@ -73,6 +85,8 @@ pub struct TableReading {
     pub trailing_separator: bool,
     /// Whether comments are left out that would be rows without the sign of comments.
     pub has_commented_rows: bool,
+    /// Whether `\"` within quotes is read as a quote, as MySQL and Spark write it.
+    pub has_escaped_quotes: bool,
     /// The columns that are left out, those of words in text and all without numbers elsewhere:
     /// their names, or else numbers, from 0.
     pub left_out: Vec<String>,
@@ -80,6 +94,8 @@ pub struct TableReading {
     pub columns: Vec<TableColumn>,
     /// Rows that were left out because a cell in a column that is used is missing.
     pub dropped_rows: u64,
+    /// The integers of text that were rounded; `None` where there are none, and in other formats.
+    pub rounded: Option<RoundedIntegers>,
 }
 
 impl TableReading {
@@ -92,7 +108,7 @@ impl TableReading {
     }
 
     /// Returns whether the file says all by itself: fields between commas, tabs or blanks, decimal
-    /// points, names that are words, and nothing that is left out.
+    /// points, names that are words, nothing that is left out, and no integer that is rounded.
     pub fn is_plain(&self) -> bool {
         let is_usual =
             matches!(self.separator, None | Some(Separator::Blanks | Separator::Char(',' | '\t')));
@@ -105,8 +121,10 @@ impl TableReading {
             && !self.index
             && !self.trailing_separator
             && !self.has_commented_rows
+            && !self.has_escaped_quotes
             && self.left_out.is_empty()
             && self.dropped_rows == 0
+            && self.rounded.is_none()
             && self.columns.iter().all(|column| column.kind == ColumnKind::Numbers)
     }
 
@@ -149,6 +167,9 @@ impl fmt::Display for TableReading {
         if self.has_commented_rows {
             parts.push("commented rows left out".into());
         }
+        if self.has_escaped_quotes {
+            parts.push("\\\" read as a quote".into());
+        }
         let factors: Vec<String> = self.columns.iter().filter_map(factor).collect();
         if !factors.is_empty() {
             parts.push(format!("factor {}", factors.join(", ")));
@@ -166,6 +187,14 @@ impl fmt::Display for TableReading {
             0 => {}
             1 => parts.push("1 row with a missing cell left out".into()),
             rows => parts.push(format!("{rows} rows with missing cells left out")),
+        }
+        if let Some(RoundedIntegers { count, line, column }) = &self.rounded {
+            parts.push(match count {
+                1 => format!("an integer beyond 2^53 rounded, in line {line}, {column}"),
+                _ => format!(
+                    "{count} integers beyond 2^53 rounded, the first in line {line}, {column}"
+                ),
+            });
         }
         f.write_str(&parts.join(", "))
     }

@@ -2,7 +2,7 @@
 
 use super::missing::MissingWords;
 use super::number::{self, Readings};
-use super::splitter::{Between, Found, Splitter, Syntax};
+use super::splitter::{Between, ESCAPE, Found, Splitter, Syntax};
 
 /// Most records that are looked at.
 const MOST: usize = 1000;
@@ -71,6 +71,46 @@ impl Cell {
     }
 }
 
+/// Returns whether a field of a record goes on behind its closing quote, never has one, or has
+/// quotes without beginning with one, between separators that are a byte.
+pub(super) fn has_torn_field(record: &[u8], separator: u8, syntax: Syntax) -> bool {
+    let mut rest = record;
+    loop {
+        if let Some(inner) = rest.strip_prefix(b"\"") {
+            rest = inner;
+            loop {
+                rest = match rest {
+                    [ESCAPE, _, more @ ..] if syntax.has_escapes => more,
+                    [b'"', b'"', more @ ..] => more,
+                    [b'"', more @ ..] => {
+                        rest = more;
+                        break;
+                    }
+                    [_, more @ ..] => more,
+                    [] => return true,
+                };
+            }
+            let next = rest.iter().find(|&&byte| byte == separator || byte != b' ');
+            let is_end = |&byte: &u8| byte == b'\r' || byte == syntax.line_end;
+            match next {
+                Some(&byte) if byte == separator => {}
+                next => return !next.is_none_or(is_end),
+            }
+        }
+        let end = memchr::memchr(separator, rest).unwrap_or(rest.len());
+        let field = rest[..end].trim_ascii();
+        let is_whole = match field.strip_prefix(b"=").unwrap_or(field) {
+            [b'"', .., b'"'] => true,
+            inner => !inner.contains(&b'"'),
+        };
+        match rest.get(end + 1..) {
+            _ if !is_whole => return true,
+            Some(more) => rest = more,
+            None => return false,
+        }
+    }
+}
+
 fn is_torn(record: &[u8], syntax: Syntax) -> bool {
     let Some(mut rest) = record.trim_ascii_start().strip_prefix(b"\"") else { return false };
     loop {
@@ -115,7 +155,8 @@ pub(super) fn divide(text: &[u8], syntax: Syntax, is_last: bool, mut line: usize
                 let quotes = memchr::memchr_iter(b'"', &rest[..bytes]).count();
                 let begins_quoted = rest.trim_ascii_start().first() == Some(&b'"');
                 let fields = fields.collect();
-                let is_torn = is_torn(&rest[..bytes], syntax);
+                // Escapes are read only where no field is torn with them.
+                let is_torn = !syntax.has_escapes && is_torn(&rest[..bytes], syntax);
                 rows.push(SampleRow { line, start, end, fields, quotes, begins_quoted, is_torn });
             }
         }

@@ -10,6 +10,9 @@ use memchr::{memchr, memchr_iter};
 /// The byte with which DOS ends a text.
 const END: u8 = 0x1a;
 
+/// Makes a quote within quotes one of the field.
+pub(super) const ESCAPE: u8 = b'\\';
+
 /// Errors of spreadsheets that do not end with `!` or `?`.
 const ERRORS: [&[u8]; 4] = [b"#N/A", b"#N/A N/A", b"#NA", b"#NV"];
 
@@ -32,6 +35,9 @@ pub(super) struct Syntax {
     pub comment: u8,
     /// Whether that byte also starts a comment after a blank.
     pub has_trailing_comments: bool,
+    /// Whether a backslash within quotes makes the next quote one of the field, as MySQL and Spark
+    /// write it; not between blanks.
+    pub has_escapes: bool,
 }
 
 /// What [`Splitter::step`] has found.
@@ -77,6 +83,7 @@ impl Splitter {
         let quotes = ReaderBuilder::new()
             .delimiter(delimiter)
             .terminator(Terminator::Any(syntax.line_end))
+            .escape(syntax.has_escapes.then_some(ESCAPE))
             .build();
         Self {
             syntax,
@@ -134,6 +141,20 @@ impl Splitter {
             }
         }
         (Found::Record, bytes)
+    }
+
+    /// Returns the number of quotes that begin or end fields, or are doubled.
+    fn quotes_in(&self, text: &[u8]) -> usize {
+        if !self.syntax.has_escapes {
+            return memchr_iter(b'"', text).count();
+        }
+        let mut is_escaped = false;
+        let counts = |&&byte: &&u8| {
+            let counted = byte == b'"' && !is_escaped;
+            is_escaped = byte == ESCAPE && !is_escaped;
+            counted
+        };
+        text.iter().filter(counts).count()
     }
 
     /// Returns the number of fields of the last record.
@@ -290,7 +311,7 @@ impl Splitter {
         let taken = &text[..read];
         self.is_open = is_cut
             && memchr(self.syntax.line_end, taken).is_some()
-            && memchr_iter(b'"', taken).count() % 2 == 1;
+            && self.quotes_in(taken) % 2 == 1;
         let mut start = 0;
         for &end in &self.ends[..ended] {
             self.fields.push(start..end);
@@ -323,6 +344,7 @@ mod tests {
         line_end: b'\n',
         comment: b'#',
         has_trailing_comments: false,
+        has_escapes: false,
     };
 
     /// Returns the records of a text, given to the splitter in two parts.
@@ -351,6 +373,7 @@ mod tests {
         let blanks = Syntax { between: Between::Blanks, ..COMMA };
         let tabs = Syntax { between: Between::Byte(b'\t'), ..COMMA };
         let comments = Syntax { has_trailing_comments: true, ..COMMA };
+        let escapes = Syntax { has_escapes: true, ..COMMA };
         for (syntax, text, expected) in [
             (COMMA, "a, b\r\n# no\n\n1,2\r\n3,", "a|b/1|2/3|"),
             (COMMA, "\"a, b\",\"say \"\"c\"\"\"\n1,2", "a, b|say \"c\"/1|2"),
@@ -365,6 +388,8 @@ mod tests {
             (blanks, " 1 2\t3 \n\"a b\"  \"\" c\n", "1|2|3/a b||c"),
             (blanks, "\"1\",2,\"A\" 3\n", "1,2,\"A\"|3"),
             (tabs, "1\t\n\t\n2\t3\n", "1|/|/2|3"),
+            (escapes, r#""5\", 3\"",1,a\b"#, r#"5", 3"|1|a\b"#),
+            (escapes, "\"a\\\\\",\"b\n\\\"\",\"\"\"\"\n1,2,3\n", "a\\|b\n\"|\"/1|2|3"),
         ] {
             for cut in 0..=text.len() {
                 let found: Vec<String> =

@@ -3,7 +3,7 @@
 use super::missing::MissingWords;
 use super::number;
 use super::options::{Separator, TableOptions};
-use super::sample::{Cell, Sample, SampleRow, divide};
+use super::sample::{Cell, Sample, SampleRow, divide, has_torn_field};
 use super::splitter::{Between, Syntax};
 
 /// The separators that are tried, in this order.
@@ -56,6 +56,7 @@ pub(super) fn find(
         line_end: line_end(text),
         comment,
         has_trailing_comments,
+        has_escapes: false,
     };
     let tried: Vec<Between> = match between {
         Some(between) => vec![between],
@@ -76,6 +77,7 @@ pub(super) fn find(
         for &between in &tried {
             let syntax = syntax(between, has_trailing);
             let sample = divide(text, syntax, is_last, line);
+            let (syntax, sample) = with_escapes(text, is_last, line, syntax, sample);
             let score = score(&sample, missing, separator.is_some());
             if best.as_ref().is_none_or(|(most, _, _)| score > most + MARGIN) {
                 best = Some((score, syntax, sample));
@@ -89,6 +91,31 @@ pub(super) fn find(
             (syntax, divide(text, syntax, is_last, line))
         }
     }
+}
+
+/// Returns a syntax in which a backslash makes a quote one of its field, with its records, if
+/// fields are torn without it and none is with it; else what is given.
+fn with_escapes(
+    text: &[u8],
+    is_last: bool,
+    line: usize,
+    syntax: Syntax,
+    sample: Sample,
+) -> (Syntax, Sample) {
+    let Between::Byte(separator) = syntax.between else { return (syntax, sample) };
+    let has_torn = |sample: &Sample, syntax: Syntax| {
+        let is_torn =
+            |row: &SampleRow| has_torn_field(&text[row.start..row.end], separator, syntax);
+        sample.rows.iter().any(is_torn)
+    };
+    if memchr::memmem::find(text, b"\\\"").is_some() && has_torn(&sample, syntax) {
+        let escaped = Syntax { has_escapes: true, ..syntax };
+        let other = divide(text, escaped, is_last, line);
+        if !has_torn(&other, escaped) {
+            return (escaped, other);
+        }
+    }
+    (syntax, sample)
 }
 
 /// The weight of the first row in the score of a separator.

@@ -484,6 +484,11 @@ fn the_content_says_what_a_name_does_not() {
         archive.write_all(text).unwrap();
         archive.finish().unwrap().into_inner()
     };
+    let bzip2 = |text: &[u8]| {
+        let mut encoder = bzip2::write::BzEncoder::new(Vec::new(), bzip2::Compression::fast());
+        encoder.write_all(text).unwrap();
+        encoder.finish().unwrap()
+    };
     #[cfg(feature = "columnar")]
     let zstd = |text: &[u8]| {
         ruzstd::encoding::compress_to_vec(text, ruzstd::encoding::CompressionLevel::Fastest)
@@ -502,6 +507,9 @@ fn the_content_says_what_a_name_does_not() {
         ("packed.dat.gz", gzip(text), 3),
         ("array", array.clone(), 1),
         ("array.dat", gzip(&array), 1),
+        ("packed.csv.bz2", bzip2(text), 3),
+        ("packed.csv", [bzip2(&text[..7]), bzip2(&text[7..])].concat(), 3),
+        ("array.bz2", bzip2(&array), 1),
         ("zipped.csv", zip(text), 3),
         ("zipped.csv.zip", zip(text), 3),
         ("array.zip", zip(&array), 1),
@@ -519,7 +527,8 @@ fn the_content_says_what_a_name_does_not() {
     let said = read_file(&folder.file("a.npy", text), &format).map(|found| found.names);
     assert_eq!(said.unwrap(), ["a", "b"]);
     for (name, bytes, why) in [
-        ("a.csv", &b"BZh91AY&SY"[..], "a.csv: is packed by bzip2 ("),
+        ("a.csv", &b"BZh91AY&SY"[..], "a.csv: truncated: the file ends too early"),
+        ("a.csv.bz2", text, "a.csv.bz2: is not a .bz2 file"),
         ("a.csv", b"PK\x03\x04....", "a.csv: damaged .zip file"),
         ("a.csv.gz", text, "a.csv.gz: is not a .gz file"),
         #[cfg(not(feature = "columnar"))]
@@ -533,6 +542,128 @@ fn the_content_says_what_a_name_does_not() {
             Ok(file) => assert!(file.is_none(), "{name}"),
             Err(e) => assert_eq!(e.to_string(), said),
         }
+    }
+}
+
+#[test]
+fn a_first_row_with_a_number_and_what_is_hardly_a_name_has_two_readings() {
+    let cells = [
+        "1.5*", "<0.5", "(2)", "$3", "5%", "1.5x10^2", "?", "-", "12:30", "#DIV/0!", "\\N", "n.a.",
+    ];
+    for cell in cells {
+        let text = format!("{cell},2\n3.5,5\n4,4\n6,1\n");
+        let both = ["names of columns or the first row", "option `header` decides"];
+        refused(&text, &auto(), 1, &both);
+        let header = options(TableOptions::new().header(Some(true)));
+        let rows: &[&[f64]] = &[&[3.5, 5.0], &[4.0, 4.0], &[6.0, 1.0]];
+        check(&text, &header, rows, &[cell, "2"]);
+        let no_header = options(TableOptions::new().header(Some(false)));
+        refused(&text, &no_header, 1, &["is not a number"]);
+        // Beside names it is one, and so are several.
+        check(format!("x,{cell}\n3.5,5\n4,4\n6,1\n"), &auto(), rows, &["x", cell]);
+        check(format!("{cell},{cell}\n3.5,5\n4,4\n6,1\n"), &auto(), rows, &[cell, cell]);
+    }
+    let rows: &[&[f64]] = &[&[3.5, 5.0], &[4.0, 4.0], &[6.0, 1.0]];
+    check("T2,2\n3.5,5\n4,4\n6,1\n", &auto(), rows, &["T2", "2"]);
+    // Any word beside a fraction that could be one of its column.
+    refused("trace,2.5\n3.5,5\n4,4\n6,1\n", &auto(), 1, &["names of columns or the first row"]);
+    refused("3.25,offline\n3.5,5\n4,4\n6,1\n", &auto(), 1, &["option `header` decides"]);
+    check("T2,99.5\n3.5,5\n4,4\n6,1\n", &auto(), rows, &["T2", "99.5"]);
+    check("\"T2\",\"2.5\"\n3.5,5\n4,4\n6,1\n", &auto(), rows, &["T2", "2.5"]);
+}
+
+#[test]
+fn quotes_that_backslashes_make_part_of_a_field_are_read_where_fields_are_torn_without_them() {
+    let rows: &[&[f64]] = &[&[1.5, 2.0], &[3.5, 5.0], &[4.25, 4.0]];
+    for names in [
+        [r#""say \"hi\"""#, "x", "y"],
+        [r#""say \"hi, you\"""#, "\"x\"", "y"],
+        [r#""5\" pipe, 3""#, r#""3\" pipe""#, "y"],
+        [r#""5\", 3\"""#, r#""3\",1""#, r#""a\", 7, b""#],
+        // Without escapes each row has five fields, of which the second is a number.
+        [r#""a\", 7, b""#; 3],
+    ] {
+        let [a, b, c] = names;
+        let text = format!("name,a,b\n{a},1.5,2\n{b},3.5,5\n{c},4.25,4\n");
+        let reading = check(&text, &auto(), rows, &["a", "b"]);
+        assert!(reading.has_escaped_quotes, "{text}");
+        let said = "1 text column left out (name)";
+        let said = format!(r#"separator ,, decimal point, header, \" read as a quote, {said}"#);
+        assert_eq!(reading.to_string(), said);
+        let below = text.strip_prefix("name,a,b\n").unwrap();
+        check(below, &options(TableOptions::new().header(Some(false))), rows, &[]);
+    }
+    // Paths end with a backslash before the quote.
+    let text = "path,a\n\"C:\\x\\\",1.5\n\"C:\\\",2\n\"D\",4\n";
+    let reading = check(text, &auto(), &[&[1.5], &[2.0], &[4.0]], &["a"]);
+    assert!(!reading.has_escaped_quotes);
+    // Two quotes are one of the field, as always.
+    let text = "name,a\n\"say \"\"hi\"\"\",1.5\n\"y\",2\n\"z\",4\n";
+    assert!(!check(text, &auto(), &[&[1.5], &[2.0], &[4.0]], &["a"]).has_escaped_quotes);
+}
+
+#[test]
+fn rows_in_quotes_are_named() {
+    let quoted = "\"a,b\"\n\"1.5,2\"\n\"3.5,5\"\n\"4,4.5\"\n";
+    refused(quoted, &auto(), 2, &["\"1.5,2\"; each row is in quotes"]);
+}
+
+#[test]
+fn files_that_are_no_tables_are_named_with_what_converts_them() {
+    let svmlight = "1 1:1.5 2:2\n-1 1:3.5\n1 2:4\n";
+    refused(svmlight, &auto(), 1, &["libsvm", "load_svmlight_file", "scipy.sparse.save_npz"]);
+    refused("# x\n1 qid:1 1:2\n", &auto(), 2, &["libsvm"]);
+    refused("t\n[[1.5 2. ]\n [3.5 5. ]]\n", &options(TableOptions::new().skip(1)), 2, &["array"]);
+    let arff = "@relation r\n@attribute a real\n@data\n1,2\n3.5,5\n";
+    refused(arff, &auto(), 1, &["ARFF: option `skip` = 3 leaves out"]);
+    let rows: &[&[f64]] = &[&[1.0, 2.0], &[3.5, 5.0]];
+    check(arff, &options(TableOptions::new().skip(3)), rows, &[]);
+    // A separator says that it is a table.
+    let table = TableOptions::new().separator(Some(Separator::Blanks)).header(Some(false));
+    let blank = options(table);
+    check("1 1:1.5\n2 1:2\n", &blank.columns(Columns::parse("0")), &[&[1.0], &[2.0]], &[]);
+}
+
+#[test]
+fn integers_that_are_rounded_are_counted() {
+    let said = |text: &str, options: &ReadOptions<'_>| {
+        let reading = content(text, options).unwrap().reading.unwrap();
+        assert!(reading.rounded.is_none() || !reading.is_plain(), "{text}");
+        reading.to_string()
+    };
+    let text = "x,id\n1,9007199254740992\n2.5,9007199254740993\n7,-9007199254740995\n3,4\n";
+    let large = 2.0_f64.powi(53);
+    let rows: &[&[f64]] = &[&[1.0, large], &[2.5, large], &[7.0, -large - 4.0], &[3.0, 4.0]];
+    let rounded = check(text, &auto(), rows, &["x", "id"]).rounded.unwrap();
+    assert_eq!((rounded.count, rounded.line, &rounded.column[..]), (2, 3, "column 2 (id)"));
+    let all = "2 integers beyond 2^53 rounded, the first in line 3, column 2 (id)";
+    assert!(said(text, &auto()).ends_with(all));
+    // Only cells that are used count, and no missing ones.
+    assert!(!said(text, &auto().columns(Columns::parse("x"))).contains("2^53"));
+    let missing = TableOptions::new().missing(Missing::Drop);
+    let words = Some(vec!["9007199254740993".to_owned()]);
+    let one = said(text, &options(missing.clone().missing_words(words)));
+    assert!(one.ends_with("an integer beyond 2^53 rounded, in line 4, column 2 (id)"), "{one}");
+    let dropped = said("1.5,2\nNA,9007199254740993\n3,4\n5,7\n", &options(missing));
+    assert!(!dropped.contains("2^53"), "{dropped}");
+    let quoted = "\"a\nb\",c\n1,2\n3,4\n5,\"9007199254740993\"\n";
+    assert!(said(quoted, &auto()).contains("in line 5, column 2 (c)"));
+    let german = said("a;b\n0,5;9.007.199.254.740.993\n1,5;2\n2,5;3\n", &auto());
+    assert!(
+        german.ends_with("an integer beyond 2^53 rounded, in line 2, column 2 (b)"),
+        "{german}"
+    );
+    assert!(!said("1,0.12345678901234567\n2,12345678901234567e3\n", &auto()).contains("2^53"));
+    // Counted by several threads, in order.
+    let mut many = "1,2\n".repeat(600_000);
+    many += "9007199254740993,1\n";
+    many += &"3,4\n".repeat(600_000);
+    many += "9007199254740993,1\n";
+    for threads in [1, 3] {
+        let threads = options(TableOptions::new().par(Par::Threads(threads)));
+        let counted = said(&many, &threads);
+        assert!(counted.contains("2 integers beyond 2^53 rounded, the"), "{counted}");
+        assert!(counted.ends_with("the first in line 600001, column 1"), "{counted}");
     }
 }
 

@@ -49,5 +49,6 @@ pub(in crate::io) fn read(
     }
     factors.sort(&mut values, ncols.max(1));
     factors.give_levels(&mut reading);
+    reading.rounded = engine.rounded;
     Ok((Dense::new(values, (nrows, ncols), true, 0..ncols), reading))
 }

@@ -279,8 +279,8 @@ impl MeshFormat {
         };
         let known = endings(true);
         let what = format!(
-            "{what}: the name must end in {known}, and may have .gz or (for reading) .xz, .zst or \
-             .zip after it"
+            "{what}: the name must end in {known}, and may have .gz or (for reading) .xz, .bz2, \
+             .zst or .zip after it"
         );
         Err(Error::file(path, what))
     }

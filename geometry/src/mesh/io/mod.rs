@@ -1,6 +1,6 @@
 //! Mesh files: reads and writes OBJ, PLY, OFF, STL, glTF, legacy VTK, GIFTI and 3MF, also gzipped
-//! (`.gz`), reads VTK's XML, FreeSurfer and Gmsh, and `.xz`, `.zip` and (feature `columnar` of
-//! catamaran) `.zst`.
+//! (`.gz`), reads VTK's XML, FreeSurfer and Gmsh, and `.xz`, `.bz2`, `.zip` and (feature `columnar`
+//! of catamaran) `.zst`.
 //!
 //! A reader does not trust the file: counts in a header reserve no memory before the bytes are
 //! read, an error names the file and the line or the element, and a file that needs more memory

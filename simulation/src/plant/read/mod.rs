@@ -51,7 +51,7 @@ impl PlantFormat {
             Some("obj") => Self::Obj,
             _ => {
                 let what = "unknown kind of plant: the name must end in .txt, .swc, .mtg or .obj, \
-                            and may have .gz, .xz, .zst or .zip after it";
+                            and may have .gz, .xz, .bz2, .zst or .zip after it";
                 return Err(Error::file(path, what));
             }
         };
@@ -60,7 +60,7 @@ impl PlantFormat {
 }
 
 /// Reads the plant in the file at `path`, in the format that its name implies; the file may be
-/// packed (`.gz`, `.xz`, `.zip`, or `.zst` with feature `columnar` of catamaran).
+/// packed (`.gz`, `.xz`, `.bz2`, `.zip`, or `.zst` with feature `columnar` of catamaran).
 ///
 /// ```
 /// # let folder = tempfile::tempdir().unwrap();
