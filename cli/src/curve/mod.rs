@@ -1,6 +1,6 @@
 //! `catamaran curve`.
 
-mod samples;
+pub mod samples;
 mod surface;
 pub mod write;
 

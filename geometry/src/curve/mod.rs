@@ -37,12 +37,13 @@ mod tests;
 mod tour;
 mod walls;
 
+pub use crate::mesh::Site;
 pub use cut::cut;
 pub use drawing::{Drawing, Drawn};
 pub use inscribe::{Inscribed, inscribe};
 pub use region::{Region, Side};
 pub use result::{Curve, Outcome, Reconstruction, Waypoint, same_order};
-pub use sites::{Placed, Placement, Site, place, refined};
+pub use sites::{Placed, Placement, place, refined};
 pub use smooth::{Smoothed, smooth};
 pub use solver::{Count, CurveOptions, CurveSolver, Mode};
 
