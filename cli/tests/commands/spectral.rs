@@ -591,7 +591,7 @@ fn geodesics_are_traced_from_a_point_in_a_direction() {
         assert!((row[0] - 1.0).abs() < 1e-14 && (row[1] - exact).abs() < 1e-14, "{path}");
     }
     assert!(path.starts_with("x,y,z,face,a,b,c\n") && rows.len() == 3, "{path}");
-    let said = folder.succeed("distance rhombus.obj --from 1 --trace 0,1,0 --length 7 --json");
+    let said = folder.succeed("--json distance rhombus.obj --from 1 --trace 0,1,0 --length 7");
     for part in [r#""record":"trace""#, r#""end":"boundary""#, r#""direction":["#] {
         assert!(said.contains(part), "{said}");
     }
