@@ -177,7 +177,7 @@ impl<'m> Glued<'m> {
 
     /// Returns the slot of the edge of `slot` in the only other face of the edge, or why there is
     /// none.
-    pub fn beyond_edge(&self, slot: u32) -> Result<u32, TraceEnd> {
+    pub fn beyond_edge(&self, slot: u32) -> std::result::Result<u32, TraceEnd> {
         let mut others = self.across(slot);
         match (others.next(), others.next()) {
             (Some(other), None) => Ok(other),

@@ -85,10 +85,13 @@ struct Ray {
     on: On,
 }
 
+/// The next ray of a geodesic, or why there is none.
+type Onward = std::result::Result<Ray, TraceEnd>;
+
 /// Where a geodesic starts, and its first ray, unless it ends there.
 struct Start {
     point: SurfacePoint,
-    ray: Result<Ray, TraceEnd>,
+    ray: Onward,
 }
 
 /// Where a ray leaves its face.
@@ -218,7 +221,7 @@ impl Tracer<'_, '_> {
     }
 
     /// Returns the ray beyond an exit, or why there is none.
-    fn beyond(&self, exit: Exit) -> Result<Ray, TraceEnd> {
+    fn beyond(&self, exit: Exit) -> Onward {
         match exit {
             Exit::Edge { slot, share, along, away } => {
                 let other = self.glued.beyond_edge(slot)?;
