@@ -8,7 +8,7 @@ use super::vector::{Vector, distance};
 /// ```
 /// use catamaran_geometry::mesh::{Site, SurfacePoint};
 ///
-/// assert_eq!(Site::from(7), Site::Vertex(7));
+/// assert_eq!(Site::from(7_u32), Site::Vertex(7));
 /// let point = SurfacePoint { face: 0, weights: [0.2, 0.3, 0.5] };
 /// assert_eq!(Site::from(point), Site::Face(point));
 /// ```

@@ -325,9 +325,11 @@ impl Tracer<'_, '_> {
         // The cosine of the angle between ray and direction, the ray, and whether it is one at the
         // boundary that the direction leads beyond.
         let mut best: Option<(f64, u32, f64, bool)> = None;
+        let mut part_in_faces = 0.0_f64;
         for &corner in self.glued.slots_at(vertex) {
             let [x, y] = self.glued.axes(corner).map(|axis| dot(direction, axis));
             let (angle, size) = (y.atan2(x), self.glued.corner(corner));
+            part_in_faces = part_in_faces.max(x.hypot(y));
             let cosine = |ray: f64| x * ray.cos() + y * ray.sin();
             let (ray, edge) = if angle >= 0.0 && angle <= size {
                 (angle, None)
@@ -346,8 +348,10 @@ impl Tracer<'_, '_> {
             return refused("start", format!("vertex {vertex} is in no face"));
         };
         let point = SurfacePoint::on_edge(corner, 0.0);
+        // Out of the surface over its boundary, and not up from it.
         let is_at_boundary = self.glued.end_at(vertex) == Some(TraceEnd::Boundary);
-        if is_beyond || (is_at_boundary && cosine <= ASKEW) {
+        let is_out = is_beyond || (is_at_boundary && cosine <= ASKEW);
+        if is_out && part_in_faces > ASKEW {
             return Ok(Start { point, ray: Err(TraceEnd::Boundary) });
         }
         if cosine <= ASKEW {

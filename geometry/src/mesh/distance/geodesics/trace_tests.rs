@@ -273,4 +273,6 @@ fn a_trace_from_a_vertex_starts_in_the_nearest_direction_or_is_refused() {
         let trace = solver.trace(Site::Vertex(3), to, 1.0).unwrap();
         assert_eq!((trace.end, trace.path.length), (TraceEnd::Boundary, 0.0), "{to:?}");
     }
+    let up = solver.trace(Site::Vertex(3), [0.0, 0.0, 1.0], 1.0).unwrap_err().to_string();
+    assert!(up.starts_with("direction: points away from the surface at vertex 3"), "{up}");
 }
