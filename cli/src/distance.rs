@@ -30,8 +30,8 @@ use crate::shape::Kind;
 /// The distances are those of every vertex from the nearest point of --from, in units of the mesh.
 /// The distance is infinite for a vertex that no path of faces
 /// or edges connects to a point of --from. A point is a vertex, numbered from 0; a face and
-/// barycentric coordinates in it ('face a b c', with --method exact or --trace); or a point in space
-/// ('x y z'), which stands for the nearest vertex.
+/// barycentric coordinates in it ('face a b c', with --method exact or --trace); or a point in
+/// space ('x y z'), which stands for the nearest vertex.
 #[derive(clap::Args)]
 pub struct Args {
     #[arg(value_name = "MESH", help = crate::input::mesh_help("The mesh"))]
@@ -80,9 +80,9 @@ pub struct Args {
     #[arg(long, value_name = "POINT,...", value_delimiter = ',', value_parser = point)]
     to: Vec<Site>,
     /// Report where the geodesic ends that leaves the point of --from in this direction, which is
-    /// projected onto the face of the point, or, at a vertex, is that of the nearest direction over
-    /// a face. It is straight over faces and edges, passes vertices with equal angles on both sides,
-    /// and stops at the boundary.
+    /// projected onto the face of the point, or, at a vertex, stands for the nearest direction over
+    /// a face. It is straight over faces and edges, passes vertices with equal angles on both
+    /// sides, and stops at the boundary.
     #[arg(
         long,
         value_name = "X,Y,Z",

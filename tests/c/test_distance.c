@@ -129,7 +129,8 @@ static void test_paths(void)
 static void test_exact(void)
 {
     const uint32_t sources[2] = {0, SIDE - 1}, beyond = V;
-    CHECK_STATUS(cata_distance_exact(V, vertices, F, faces, 2, sources, NULL, distances, NULL), CATA_OK);
+    CHECK_STATUS(cata_distance_exact(V, vertices, F, faces, 2, sources, NULL, distances, NULL),
+                 CATA_OK);
     for (size_t v = 0; v < V; v++) {
         CHECK(fabs(distances[v] - fmin(apart(v, 0), apart(v, SIDE - 1))) < 1e-12);
     }

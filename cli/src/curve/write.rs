@@ -84,8 +84,8 @@ fn list<T: ToString>(all: impl Iterator<Item = T>) -> String {
 }
 
 /// Returns the curves as JSON. `order` and `path` join those of all curves; `curves` has them one
-/// by one, and the face and the barycentric coordinates of each point. Samples are numbered over the
-/// whole file.
+/// by one, and the face and the barycentric coordinates of each point. Samples are numbered over
+/// the whole file.
 fn json(found: &Found<'_>, places: &Places) -> String {
     let mut each = Vec::new();
     let (mut order, mut path, mut left_out) = (Vec::new(), Vec::<u32>::new(), Vec::new());

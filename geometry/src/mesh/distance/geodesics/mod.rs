@@ -134,9 +134,9 @@ impl<'m> Geodesics<'m> {
     ///
     /// The direction, of any length, is projected onto the plane of the face of `start`. At an edge
     /// or a vertex it may point out of the face: then it goes on over the edge, or through the
-    /// vertex, as a geodesic over the face does. At a vertex that no face is named for, the geodesic
-    /// starts in the direction of the surface that is nearest; equally near ones are those of the
-    /// first face.
+    /// vertex, as a geodesic over the face does. At a vertex that no face is named for, the
+    /// geodesic starts in the direction of the surface that is nearest; equally near ones are those
+    /// of the first face.
     ///
     /// ```
     /// use catamaran_geometry::mesh::{Geodesics, Site, TraceEnd, families};

@@ -30,8 +30,8 @@ pub struct GeodesicTrace {
     /// How it ends.
     pub end: TraceEnd,
     /// The direction at its end, of length 1, in the plane of the face of the last point: a trace
-    /// from the last point in the opposite direction leads back. The direction of the caller, if the
-    /// geodesic stops where it starts.
+    /// from the last point in the opposite direction leads back. The direction of the caller, if
+    /// the geodesic stops where it starts.
     pub direction: [f64; 3],
 }
 
