@@ -27,7 +27,7 @@ use super::pointer::{
 };
 use super::progress::cata_progress;
 use super::status::{Failure, cata_status};
-use catamaran::base::Progress;
+use catamaran::base::{Error, Progress};
 use catamaran_geometry::curve::{
     Count, Curve, CurveOptions, CurveSolver, Mode, Outcome, Placement, Reconstruction, Site, place,
 };
@@ -174,7 +174,10 @@ pub unsafe extern "C" fn cata_curve_solver_new_at(
                 face => Site::Face(SurfacePoint { face, weights }),
             })
             .collect();
-        let placed = place(&mesh, &sites, Placement::Insert)?;
+        let placed = place(&mesh, &sites, Placement::Insert).map_err(|error| match error {
+            Error::Argument { what: "sites", why } => Error::Argument { what: "places", why },
+            error => error,
+        })?;
         let solver = CurveSolver::owning(placed.mesh.map_or(mesh, |refined| refined.mesh))?;
         samples.copy_from_slice(&placed.vertices);
         hand_over(to, cata_curve_solver { solver });

@@ -1,7 +1,8 @@
 //! # Distances
 //!
 //! Distances on a mesh: over its surface, exactly or by the heat method, and along its edges; the
-//! shortest paths over faces and along edges, and geodesics that the latter shorten to.
+//! shortest paths over faces and along edges, geodesics that the latter shorten to, and geodesics
+//! from a point in a direction.
 //!
 //! ```c
 //! double v[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, d[4], length; // a square
@@ -17,17 +18,19 @@
 use std::ffi::c_void;
 
 use super::boundary::boundary;
+use super::curve::CATA_IN_SPACE;
 use super::outputs::{fill_slice, hand_over, tell};
 use super::params::{Params, flag, init, params, read_or_zeros};
 use super::pointer::{
-    free, known, mesh, optional_output, optional_slice_mut, output, slice, slice_mut,
+    check_size, free, known, mesh, optional_output, optional_slice, optional_slice_mut, output,
+    slice, slice_mut,
 };
 use super::progress::{cata_progress, par};
 use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_NOT_CONVERGED, Failure, cata_status};
 use catamaran_geometry::curve::{Curve, Waypoint, smooth};
 use catamaran_geometry::mesh::{
-    Dijkstra, Geodesics, Graph, HeatMethod, HeatOptions, LaplacianKind, SearchLimits, SurfacePoint,
-    TriMesh,
+    Dijkstra, Geodesics, Graph, HeatMethod, HeatOptions, LaplacianKind, SearchLimits, Site,
+    SurfacePoint, TraceEnd, TriMesh,
 };
 
 /// `flow`: heat flows on the intrinsic Delaunay triangulation of any mesh (tufted cover).
@@ -39,6 +42,14 @@ pub const CATA_FLOW_COTANGENT: i32 = 2;
 
 /// Instead of a vertex: there is none.
 pub const CATA_NO_VERTEX: u32 = u32::MAX;
+
+/// `end`: the geodesic has the length that was asked for.
+pub const CATA_TRACE_COMPLETE: i32 = 0;
+/// `end`: it stopped at the boundary of the mesh.
+pub const CATA_TRACE_BOUNDARY: i32 = 1;
+/// `end`: it stopped where more than one way leads on: at an edge of more than two faces, or
+/// where the surface meets itself.
+pub const CATA_TRACE_NON_MANIFOLD: i32 = 2;
 
 /// Joints that a path may be shortened at, for each of its vertices.
 const JOINTS: usize = 1000;
@@ -73,12 +84,12 @@ pub struct cata_heat {
     n_vertices: usize,
 }
 
-/// A path from one vertex to another. Made by cata_distance_path and cata_distance_path_exact;
-/// constant.
+/// A path from one point to another. Made by cata_distance_path, cata_distance_path_exact and
+/// cata_distance_trace; constant.
 pub struct cata_path {
     vertices: Vec<u32>,
     points: Vec<[f64; 3]>,
-    /// The points on the faces; `None` unless the path is exact.
+    /// The points on the faces; `None` for a path of cata_distance_path.
     places: Option<Vec<SurfacePoint>>,
     length: f64,
 }
@@ -235,7 +246,10 @@ pub unsafe extern "C" fn cata_distance_edges(
 /// Xin and Wang 2009), on the calling thread. Edges may have any number of faces; none may be
 /// without length.
 ///
-/// - `count`, `sources`: vertices.
+/// - `count`, `sources`: vertices; with `weights`, the faces of points, or CATA_IN_SPACE: the
+///   nearest vertex.
+/// - `weights`: 3 `count` elements, read: barycentric coordinates in the faces, or x, y, z. NULL:
+///   the sources are vertices.
 /// - `distances`: n_vertices elements, written: 0 at sources, INFINITY in components without one.
 /// - `params`: `progress` is used, the rest is only checked.
 ///
@@ -249,31 +263,40 @@ pub unsafe extern "C" fn cata_distance_exact(
     faces: *const u32,
     count: usize,
     sources: *const u32,
+    weights: *const f64,
     distances: *mut f64,
     params: *const cata_distance_params,
 ) -> cata_status {
     boundary(|| {
+        check_size::<f64>("weights", count, 3)?;
         // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `sources`,
-        // `count` elements; `distances`, `n_vertices` elements), clause `structs` (`params`).
-        let (mesh, sources, params, distances) = unsafe {
+        // `count` elements; `weights`, `3 * count` elements; `distances`, `n_vertices` elements),
+        // clause `structs` (`params`).
+        let (mesh, sources, weights, params, distances) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,
                 slice("sources", sources, count)?,
+                optional_slice("weights", weights, 3 * count)?,
                 read_or_zeros("params", params)?,
                 slice_mut("distances", distances, n_vertices)?,
             )
         };
         heat_options(&params)?;
-        let found = params.caller().reported(|_| Ok(Geodesics::new(&mesh)?.distances(sources)?))?;
+        let sources = sites(sources, weights);
+        let found =
+            params.caller().reported(|_| Ok(Geodesics::new(&mesh)?.distances(&sources)?))?;
         distances.copy_from_slice(&found);
         Ok(())
     })
 }
 
-/// Finds the shortest path over faces that leads through vertices in their order: from the first to
+/// Finds the shortest path over faces that leads through points in their order: from the first to
 /// the last. Without a path, the sizes are 0, and the length is INFINITY.
 ///
-/// - `count`, `through`: vertices, at least two.
+/// - `count`, `through`: vertices, at least two; with `weights`, the faces of points, or
+///   CATA_IN_SPACE: the nearest vertex.
+/// - `weights`: 3 `count` elements, read: barycentric coordinates in the faces, or x, y, z. NULL:
+///   the points are vertices.
 /// - `params`: `progress` is used, the rest is only checked.
 ///
 /// # Safety
@@ -286,36 +309,121 @@ pub unsafe extern "C" fn cata_distance_path_exact(
     faces: *const u32,
     count: usize,
     through: *const u32,
+    weights: *const f64,
     params: *const cata_distance_params,
     path: *mut *mut cata_path,
 ) -> cata_status {
     boundary(|| {
+        check_size::<f64>("weights", count, 3)?;
         // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `through`,
-        // `count` elements; `path`, one value), clause `structs` (`params`).
-        let (mesh, through, params, place) = unsafe {
+        // `count` elements; `weights`, `3 * count` elements; `path`, one value), clause `structs`
+        // (`params`).
+        let (mesh, through, weights, params, place) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,
                 slice("through", through, count)?,
+                optional_slice("weights", weights, 3 * count)?,
                 read_or_zeros("params", params)?,
                 output("path", path)?,
             )
         };
         heat_options(&params)?;
-        if through.len() < 2 {
-            let why = format!("through: at least two vertices are needed, got {count}");
-            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
-        }
-        let (from, others) = through.split_at(1);
+        let sites = sites(through, weights);
         let found =
-            params.caller().reported(|_| Ok(Geodesics::new(&mesh)?.path_through(from, others)?))?;
+            params.caller().reported(|_| Ok(Geodesics::new(&mesh)?.path_through(&sites)?))?;
+        let of_vertices = if weights.is_none() { through } else { &[] };
         let is_there = found.length.is_finite();
         hand_over(
             place,
             cata_path {
-                vertices: if is_there { through.to_vec() } else { Vec::new() },
+                vertices: if is_there { of_vertices.to_vec() } else { Vec::new() },
                 points: found.positions(&mesh),
                 places: Some(found.points),
                 length: found.length,
+            },
+        );
+        Ok(())
+    })
+}
+
+/// Traces the geodesic that leaves a point in a direction, for a length: the exponential map of the
+/// surface. It is straight over faces and edges, and passes vertices with equal angles on both
+/// sides (Polthier and Schmies 1998). It stops at the boundary, and where more than one way leads
+/// on.
+///
+/// - `start`: a vertex; with `weights`, the face of the point, or CATA_IN_SPACE: the nearest
+///   vertex.
+/// - `weights`: 3 elements, read: barycentric coordinates in the face, or x, y, z. NULL: the start
+///   is a vertex.
+/// - `direction`: 3 elements, read: of any length, not 0. It is projected onto the plane of the
+///   face; at an edge or a vertex it may point out of the face. At a start that is a vertex it
+///   stands for the nearest direction over a face.
+/// - `length`: at least 0.
+/// - `params`: `progress` is used, the rest is only checked.
+/// - `path`: the geodesic, whose length is less than `length` if it stops, and which has no
+///   vertices; see cata_path_places for its end.
+/// - `end`: how it ends, CATA_TRACE_*. NULL where not wanted.
+/// - `heading`: 3 elements, written: the direction at its end, of length 1, in the plane of the
+///   face of the last point. NULL where not wanted.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_distance_trace(
+    n_vertices: usize,
+    vertices: *const f64,
+    n_faces: usize,
+    faces: *const u32,
+    start: u32,
+    weights: *const f64,
+    direction: *const f64,
+    length: f64,
+    params: *const cata_distance_params,
+    path: *mut *mut cata_path,
+    end: *mut i32,
+    heading: *mut f64,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `weights`, 3
+        // elements; `direction`, 3 elements), clause `structs` (`params`).
+        let (mesh, weights, direction, params) = unsafe {
+            (
+                mesh(n_vertices, vertices, n_faces, faces)?,
+                optional_slice("weights", weights, 3)?,
+                slice("direction", direction, 3)?,
+                read_or_zeros("params", params)?,
+            )
+        };
+        // SAFETY: clause `memory` (`path`, one value; `end`, one value; `heading`, 3 elements).
+        let (place, end, heading) = unsafe {
+            (
+                output("path", path)?,
+                optional_output("end", end)?,
+                optional_slice_mut("heading", heading, 3)?,
+            )
+        };
+        heat_options(&params)?;
+        let start = sites(&[start], weights)[0];
+        let direction = [direction[0], direction[1], direction[2]];
+        let found = params
+            .caller()
+            .reported(|_| Ok(Geodesics::new(&mesh)?.trace(start, direction, length)?))?;
+        tell(
+            [end],
+            [match found.end {
+                TraceEnd::Complete => CATA_TRACE_COMPLETE,
+                TraceEnd::Boundary => CATA_TRACE_BOUNDARY,
+                _ => CATA_TRACE_NON_MANIFOLD,
+            }],
+        );
+        fill_slice(heading, &found.direction);
+        hand_over(
+            place,
+            cata_path {
+                vertices: Vec::new(),
+                points: found.path.positions(&mesh),
+                places: Some(found.path.points),
+                length: found.path.length,
             },
         );
         Ok(())
@@ -401,7 +509,7 @@ pub unsafe extern "C" fn cata_path_size(
 /// Gets a path; NULL where not wanted.
 ///
 /// - `vertices`: n_vertices elements, written: those of the path along edges, both ends included;
-///   of an exact path those that it was asked to lead through.
+///   of an exact path those that it was asked to lead through, none where it was asked for points.
 /// - `points`: 3 n_points elements, written: where the path goes, the positions of `vertices`
 ///   unless it is straight.
 ///
@@ -428,7 +536,8 @@ pub unsafe extern "C" fn cata_path_get(
     })
 }
 
-/// Gets the points of a path of cata_distance_path_exact as points of faces; NULL where not wanted.
+/// Gets the points of a path of cata_distance_path_exact or cata_distance_trace as points of faces;
+/// NULL where not wanted.
 ///
 /// - `faces`: n_points elements, written.
 /// - `weights`: 3 n_points elements, written: barycentric coordinates at the corners of faces.
@@ -447,7 +556,8 @@ pub unsafe extern "C" fn cata_path_places(
         unsafe {
             let own = known("path", path)?;
             let Some(places) = &own.places else {
-                let why = "path: only a path of cata_distance_path_exact has places";
+                let why = "path: a path of cata_distance_path has no places, other than one of \
+                           cata_distance_path_exact or cata_distance_trace";
                 return Err(Failure::new(CATA_ERR_ARGUMENT, why));
             };
             let faces = optional_slice_mut("faces", faces, places.len())?;
@@ -469,6 +579,19 @@ pub unsafe extern "C" fn cata_path_places(
 pub unsafe extern "C" fn cata_path_free(path: *mut cata_path) {
     // SAFETY: clause `handles` (`path`).
     unsafe { free(path) };
+}
+
+/// Returns vertices, or, with barycentric coordinates, points of faces.
+fn sites(of: &[u32], weights: Option<&[f64]>) -> Vec<Site> {
+    let Some(weights) = weights else {
+        return of.iter().copied().map(Site::Vertex).collect();
+    };
+    let points = of.iter().zip(weights.as_chunks().0);
+    let site = |(&face, &weights): (&u32, &[f64; 3])| match face {
+        CATA_IN_SPACE => Site::Near(weights),
+        face => Site::Face(SurfacePoint { face, weights }),
+    };
+    points.map(site).collect()
 }
 
 /// Returns the options of the caller for the heat method.

@@ -12,6 +12,11 @@ use crate::parse::levels;
 const OTHERS: &[(&str, &str, &str)] = &[
     ("distance", "sources", "--from"),
     ("distance", "targets", "--to"),
+    ("distance", "end", "--to"),
+    ("distance", "through", "--to"),
+    ("distance", "start", "--from"),
+    ("distance", "direction", "--trace"),
+    ("distance", "length", "--length"),
     ("decimate", "relaxation", "--relax"),
 ];
 
@@ -71,6 +76,7 @@ mod tests {
         assert_eq!(said("mesh", "drop_specks"), "--drop-specks: no");
         assert_eq!(said("decimate", "drop_specks"), "--drop-specks: no");
         assert_eq!(said("distance", "sources"), "--from: no");
+        assert_eq!(said("distance", "through"), "--to: no");
         assert_eq!(said("mesh", "sources"), "sources: no");
         assert_eq!(said("slime", "movement_speed"), "movement_speed: no");
     }

@@ -76,6 +76,7 @@ const EXAMPLES: [(&str, &[&str]); 35] = [
         &[
             "catamaran distance scan.ply --from 0,7 -o distances.npy",
             "catamaran distance scan.ply --from 0 --method edges -o distances.csv --picture d.png",
+            "catamaran distance scan.ply --from 310 --trace 0,0,1 --length 5",
         ],
     ),
     (

@@ -73,6 +73,7 @@ const HEADINGS: [(&str, &[&str]); 5] = [
             "material",
             "output",
             "paint",
+            "path-output",
             "points-output",
             "prolongation",
             "region",

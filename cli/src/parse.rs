@@ -130,6 +130,15 @@ pub fn confidence(text: &str) -> Result<f64, String> {
     number(text, |x| x > 0.0 && x < 1.0, "a number above 0 and below 1")
 }
 
+/// Parses N numbers separated by commas.
+pub fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+    let all: Result<Vec<f64>, _> = text.split(',').map(|word| word.trim().parse()).collect();
+    let all = all.map_err(|e| format!("expected {N} numbers separated by commas: {e}"))?;
+    all.try_into().map_err(|all: Vec<f64>| {
+        format!("expected {N} numbers separated by commas, not {}", all.len())
+    })
+}
+
 /// Parses a finite number.
 pub fn finite(text: &str) -> Result<f64, String> {
     number(text, |_| true, "a finite number")

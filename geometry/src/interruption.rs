@@ -8,7 +8,7 @@ use faer::Mat;
 use crate::decimate::{DecimateOptions, FarthestPoints, decimate};
 use crate::mesh::{
     Dijkstra, Geodesics, Graph, HeatMethod, HeatOptions, LaplacianKind, LaplacianOptions,
-    SearchLimits, TriMesh, families, laplacian,
+    SearchLimits, Site, TriMesh, families, laplacian,
 };
 use crate::unions::{ShapeDnaOptions, shape_dna};
 use catamaran::base::{Error, Par, Progress, Result, Rng, measure};
@@ -120,7 +120,10 @@ fn distances_ask() {
     let graph = Graph::of_mesh(&sphere(7));
     let coarse = sphere(5);
     let exact = Geodesics::new(&coarse).unwrap();
-    check("Geodesics", 2e7, |_| exact.distances(&[7]).map(drop));
+    check("Geodesics", 2e7, |_| exact.distances(&[Site::Vertex(7)]).map(drop));
+    check("Geodesics::trace", 1e7, |_| {
+        exact.trace(Site::Vertex(7), [1.0, 2.0, 3.0], 1e4).map(drop)
+    });
     check("Dijkstra", 1e7, |_| Dijkstra::new(&graph).search(&[(7, 0.0)], &SearchLimits::default()));
 }
 

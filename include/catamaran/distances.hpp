@@ -5,6 +5,7 @@
 
 #include "core.hpp"
 
+#include <array>
 #include <memory>
 
 namespace catamaran {
@@ -52,6 +53,13 @@ private:
     cata_distance_params params_{};
     watcher watcher_;
 };
+
+/// Refuses points whose faces and weights are not as many.
+inline void check_weights(const std::vector<std::uint32_t>& faces, const point_list& weights) {
+    if (faces.size() != weights.size()) {
+        throw error(CATA_ERR_SHAPE, "weights: must be as many as faces");
+    }
+}
 
 }  // namespace detail
 
@@ -119,7 +127,23 @@ inline std::vector<double> exact_distances(const mesh_view& mesh,
     std::vector<double> found(mesh.n_vertices);
     detail::distance_call call(how);
     call.finish(cata_distance_exact(mesh.n_vertices, mesh.vertices, mesh.n_faces, mesh.faces,
-                                    sources.size(), sources.data(), found.data(), call.params()));
+                                    sources.size(), sources.data(), nullptr, found.data(),
+                                    call.params()));
+    return found;
+}
+
+/// The same from points of faces, by their barycentric coordinates; the face CATA_IN_SPACE stands
+/// for the vertex that is nearest to x, y, z.
+inline std::vector<double> exact_distances(const mesh_view& mesh,
+                                           const std::vector<std::uint32_t>& faces,
+                                           const point_list& weights,
+                                           const distance_options& how = {}) {
+    std::vector<double> found(mesh.n_vertices);
+    detail::check_weights(faces, weights);
+    detail::distance_call call(how);
+    call.finish(cata_distance_exact(mesh.n_vertices, mesh.vertices, mesh.n_faces, mesh.faces,
+                                    faces.size(), faces.data(), detail::first_of(weights),
+                                    found.data(), call.params()));
     return found;
 }
 
@@ -134,13 +158,32 @@ struct mesh_path {
     double length = 0.0;
 };
 
-/// A shortest path over faces.
+/// A path over faces.
 struct exact_path : mesh_path {
     /// The face of each point.
     std::vector<std::uint32_t> faces;
     /// The barycentric coordinates of each point in its face.
     point_list weights;
 };
+
+namespace detail {
+
+/// Copies a path of cata_distance_path_exact or cata_distance_trace, and frees it.
+inline exact_path copied(cata_path* made) {
+    const std::unique_ptr<cata_path, void (*)(cata_path*)> handle(made, cata_path_free);
+    exact_path found;
+    std::size_t n_vertices = 0, n_points = 0;
+    check(cata_path_size(made, &n_vertices, &n_points, &found.length));
+    found.vertices.resize(n_vertices);
+    found.points.resize(n_points);
+    found.faces.resize(n_points);
+    found.weights.resize(n_points);
+    check(cata_path_get(made, found.vertices.data(), first_of(found.points)));
+    check(cata_path_places(made, found.faces.data(), first_of(found.weights)));
+    return found;
+}
+
+}  // namespace detail
 
 /// The shortest path over faces through vertices in their order, at least two:
 /// cata_distance_path_exact.
@@ -150,18 +193,73 @@ inline exact_path shortest_path_over_faces(const mesh_view& mesh,
     detail::distance_call call(how);
     cata_path* made = nullptr;
     call.finish(cata_distance_path_exact(mesh.n_vertices, mesh.vertices, mesh.n_faces, mesh.faces,
-                                         through.size(), through.data(), call.params(), &made));
-    const std::unique_ptr<cata_path, void (*)(cata_path*)> handle(made, cata_path_free);
-    exact_path found;
-    std::size_t n_vertices = 0, n_points = 0;
-    detail::check(cata_path_size(made, &n_vertices, &n_points, &found.length));
-    found.vertices.resize(n_vertices);
-    found.points.resize(n_points);
-    found.faces.resize(n_points);
-    found.weights.resize(n_points);
-    detail::check(cata_path_get(made, found.vertices.data(), detail::first_of(found.points)));
-    detail::check(cata_path_places(made, found.faces.data(), detail::first_of(found.weights)));
+                                         through.size(), through.data(), nullptr, call.params(),
+                                         &made));
+    return detail::copied(made);
+}
+
+/// The same through points of faces, by their barycentric coordinates; the face CATA_IN_SPACE
+/// stands for the vertex that is nearest to x, y, z.
+inline exact_path shortest_path_over_faces(const mesh_view& mesh,
+                                           const std::vector<std::uint32_t>& faces,
+                                           const point_list& weights,
+                                           const distance_options& how = {}) {
+    detail::check_weights(faces, weights);
+    detail::distance_call call(how);
+    cata_path* made = nullptr;
+    call.finish(cata_distance_path_exact(mesh.n_vertices, mesh.vertices, mesh.n_faces, mesh.faces,
+                                         faces.size(), faces.data(), detail::first_of(weights),
+                                         call.params(), &made));
+    return detail::copied(made);
+}
+
+/// How the trace of a geodesic ends.
+enum class trace_end : std::int32_t {
+    complete = CATA_TRACE_COMPLETE,
+    boundary = CATA_TRACE_BOUNDARY,
+    non_manifold = CATA_TRACE_NON_MANIFOLD,
+};
+
+/// A geodesic from a point in a direction.
+struct geodesic_trace : exact_path {
+    /// How it ends.
+    trace_end end = trace_end::complete;
+    /// Its direction at the end, of length 1, in the plane of the face of the last point.
+    std::array<double, 3> heading{};
+};
+
+namespace detail {
+
+inline geodesic_trace trace(const mesh_view& mesh, std::uint32_t start, const double* weights,
+                            const std::array<double, 3>& direction, double length,
+                            const distance_options& how) {
+    distance_call call(how);
+    cata_path* made = nullptr;
+    std::int32_t end = 0;
+    geodesic_trace found;
+    call.finish(cata_distance_trace(mesh.n_vertices, mesh.vertices, mesh.n_faces, mesh.faces,
+                                    start, weights, direction.data(), length, call.params(), &made,
+                                    &end, found.heading.data()));
+    static_cast<exact_path&>(found) = copied(made);
+    found.end = static_cast<trace_end>(end);
     return found;
+}
+
+}  // namespace detail
+
+/// The geodesic that leaves a vertex in a direction, for a length: cata_distance_trace.
+inline geodesic_trace trace_geodesic(const mesh_view& mesh, std::uint32_t vertex,
+                                     const std::array<double, 3>& direction, double length,
+                                     const distance_options& how = {}) {
+    return detail::trace(mesh, vertex, nullptr, direction, length, how);
+}
+
+/// The same from a point of a face, by its barycentric coordinates.
+inline geodesic_trace trace_geodesic(const mesh_view& mesh, std::uint32_t face,
+                                     const std::array<double, 3>& weights,
+                                     const std::array<double, 3>& direction, double length,
+                                     const distance_options& how = {}) {
+    return detail::trace(mesh, face, weights.data(), direction, length, how);
 }
 
 /// The shortest path along edges, or, where `straight`, the geodesic that it shortens to:

@@ -1,5 +1,6 @@
 //! Curves through samples on a mesh, several of them drawn into it, and points as vertices.
 
+use catamaran::Error;
 use catamaran_geometry::curve::{
     Count, Curve, CurveOptions, CurveSolver, Drawing, Mode, Outcome, Placement, Site,
     place as placed,
@@ -145,7 +146,10 @@ pub fn place<'py>(
     let sites: Vec<Site> = points.collect();
     let placement = if insert { Placement::Insert } else { Placement::Snap };
     let (finer, places) = run(py, Length::Long, None, move |_| {
-        let found = placed(&mesh, &sites, placement)?;
+        let found = placed(&mesh, &sites, placement).map_err(|error| match error {
+            Error::Argument { what: "sites", why } => Error::Argument { what: "faces", why },
+            error => error,
+        })?;
         Ok((found.mesh.unwrap_or_else(|| Refined::new(mesh)), found.vertices))
     })?;
     Ok((refined(py, finer)?, numbers(py, places)))

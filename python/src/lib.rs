@@ -58,7 +58,7 @@ mod _catamaran {
     #[pymodule_export]
     use crate::descriptor::{geodesic_rings, shot};
     #[pymodule_export]
-    use crate::distance::{distances, geodesic_path, shortest_path};
+    use crate::distance::{distances, geodesic_path, shortest_path, trace_geodesic};
     #[pymodule_export]
     use crate::environment::Nearest;
     #[pymodule_export]

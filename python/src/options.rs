@@ -257,6 +257,11 @@ pub fn vertex(name: &str, number: i64) -> PyResult<u32> {
     number_of(name, "vertex", number)
 }
 
+/// The number of a face, as [`faces`] has them.
+pub fn face(name: &str, number: i64) -> PyResult<u32> {
+    number_of(name, "face", number)
+}
+
 fn number_of(name: &str, of: &str, number: i64) -> PyResult<u32> {
     u32::try_from(number)
         .map_err(|_| refused(name, format_args!("{number} is not the number of a {of}")))

@@ -113,7 +113,7 @@ def test_points_on_faces_become_vertices():
     origin = small.origin
     found = catamaran.place(shapes.torus(), origin.face, origin.barycentric)
     assert np.allclose(found.refined.mesh.v[found.vertices], small.carried(*shapes.torus()[::-1]))
-    with pytest.raises(ValueError, match="sites: site 1 is on face 999"):
+    with pytest.raises(ValueError, match="faces: site 1: face 999 is out of range"):
         catamaran.place(GRID, [0, 999], inside[:2])
     with pytest.raises(ValueError, match="wrong barycentric coordinates"):
         catamaran.place(GRID, [0], [[0.5, 0.5, 0.5]])

@@ -64,11 +64,64 @@ def test_exact_distances_and_paths_are_straight_on_a_plane():
     assert np.isinf(catamaran.distances(*two, [0], method="exact")[len(v) :]).all()
     path = catamaran.geodesic_path(*two, [0, len(v)])
     assert np.isinf(path.length) and path.points.shape == (0, 3)
-    for through, why in ([0], "at least two"), ([0, 35], "there is no vertex 35"):
+    for through, why in (
+        ([0], "at least two"),
+        ([0, 35], "vertex 35 is out of range"),
+        ([35, 0], "vertex 35 is out of range"),
+    ):
         with pytest.raises(ValueError, match=f"through: {why}"):
             catamaran.geodesic_path(mesh, through)
     with pytest.raises(ValueError, match="too short"):
         catamaran.distances(np.zeros((3, 3)), [[0, 1, 2]], [0], method="exact")
+
+
+def test_exact_distances_and_paths_start_and_end_inside_faces():
+    v, f = mesh = shapes.grid(6, 4)
+    faces, weights = [7, 40], np.array([[0.2, 0.3, 0.5], [0.6, 0.0, 0.4]])
+    ends = np.einsum("ij,ijk->ik", weights, v[f[faces]])
+    found = catamaran.distances(mesh, faces, weights=weights, method="exact")
+    expected = np.linalg.norm(v[:, None] - ends, axis=2).min(axis=1)
+    assert np.allclose(found, expected, rtol=1e-12, atol=1e-14)
+    path = catamaran.geodesic_path(mesh, faces, weights=weights)
+    assert np.isclose(path.length, np.linalg.norm(ends[1] - ends[0]), rtol=1e-12)
+    assert np.allclose(path.points[[0, -1]], ends)
+    # The points of a path are points that a path leads through.
+    again = catamaran.geodesic_path(mesh, path.faces, weights=path.weights)
+    assert np.isclose(again.length, path.length, rtol=1e-12)
+    for arguments, why in (
+        ((faces, weights[:1]), r"weights: 1 rows for 2 faces \(sources\)"),
+        (([7, 48], weights), "sources: face 48 is out of range: 48 faces"),
+        ((faces, 2 * weights), "sources: face 7: wrong barycentric coordinates"),
+    ):
+        with pytest.raises(ValueError, match=why):
+            catamaran.distances(mesh, arguments[0], weights=arguments[1], method="exact")
+    with pytest.raises(ValueError, match='weights: points of faces are for method="exact"'):
+        catamaran.distances(mesh, faces, weights=weights)
+
+
+def test_geodesics_are_traced_from_a_point_in_a_direction():
+    v, f = mesh = shapes.grid(6, 4)
+    trace = catamaran.trace_geodesic(mesh, 0, [3, 4, 0], 1.0)
+    assert trace.end == "complete" and trace.length == 1.0
+    assert np.allclose(trace.points[-1], [0.6, 0.8, 0]) and np.allclose(
+        trace.direction, [0.6, 0.8, 0]
+    )
+    back = catamaran.trace_geodesic(
+        mesh, trace.faces[-1], -trace.direction, 0.5, weights=trace.weights[-1]
+    )
+    assert np.allclose(back.points[-1], [0.3, 0.4, 0], atol=1e-12)
+    stopped = catamaran.trace_geodesic(mesh, 0, np.array([1.0, 0.5, 3.0]), 2.0)
+    assert stopped.end == "boundary" and np.isclose(stopped.length, np.hypot(1, 0.5))
+    for arguments, why in (
+        ((35, [1, 0, 0], 1), "start: vertex 35 is out of range"),
+        ((0, [0, 0, 0], 1), "direction: must be finite and not 0"),
+        ((0, [0, 0, 1], 1), "direction: points away from the surface at vertex 0"),
+        ((0, [1, 0, 0], -1), "length: must be finite and at least 0"),
+    ):
+        with pytest.raises(ValueError, match=why):
+            catamaran.trace_geodesic(mesh, *arguments)
+    with pytest.raises(ValueError, match="start: face 48 is out of range"):
+        catamaran.trace_geodesic(mesh, 48, [1, 0, 0], 1, weights=[1, 0, 0])
 
 
 def test_repair_joins_a_soup():

@@ -150,6 +150,21 @@ void distances() {
     const auto over = catamaran::shortest_path_over_faces(plane.mesh(), {0, 120});
     CHECK(std::abs(over.length - std::sqrt(2.0)) < 1e-12);
     CHECK(over.faces.size() == over.points.size() && over.weights.size() == over.points.size());
+    // From the middle of the first diagonal.
+    const catamaran::point_list middle{{{0.5, 0.0, 0.5}}};
+    const double away = std::sqrt(2.0) * 0.95;
+    CHECK(std::abs(catamaran::exact_distances(plane.mesh(), {0}, middle)[120] - away) < 1e-12);
+    const catamaran::point_list both{{{0.5, 0.0, 0.5}}, {{1.0, 1.0, 0.0}}};
+    const auto across =
+        catamaran::shortest_path_over_faces(plane.mesh(), {0, CATA_IN_SPACE}, both);
+    CHECK(std::abs(across.length - away) < 1e-12 && across.vertices.empty());
+    CHECK(status_of([&] { catamaran::exact_distances(plane.mesh(), {0, 1}, middle); }) ==
+          CATA_ERR_SHAPE);
+    const auto traced = catamaran::trace_geodesic(plane.mesh(), 0, {3, 4, 0}, 7);
+    CHECK(traced.end == catamaran::trace_end::boundary && std::abs(traced.length - 1.25) < 1e-12);
+    CHECK(std::abs(traced.heading[1] - 0.8) < 1e-12);
+    const auto from_face = catamaran::trace_geodesic(plane.mesh(), 0, middle[0], {1, 1, 0}, 0.5);
+    CHECK(from_face.end == catamaran::trace_end::complete && from_face.length == 0.5);
     const auto edges = catamaran::distances_along_edges(plane.mesh(), {0, 10});
     CHECK(std::abs(edges.distances[120] - 1) < 1e-12 && edges.nearest[120] == 10);
     CHECK(edges.before[0] == CATA_NO_VERTEX && edges.before[120] == 109);

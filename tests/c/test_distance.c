@@ -129,12 +129,13 @@ static void test_paths(void)
 static void test_exact(void)
 {
     const uint32_t sources[2] = {0, SIDE - 1}, beyond = V;
-    CHECK_STATUS(cata_distance_exact(V, vertices, F, faces, 2, sources, distances, NULL), CATA_OK);
+    CHECK_STATUS(cata_distance_exact(V, vertices, F, faces, 2, sources, NULL, distances, NULL),
+                 CATA_OK);
     for (size_t v = 0; v < V; v++) {
         CHECK(fabs(distances[v] - fmin(apart(v, 0), apart(v, SIDE - 1))) < 1e-12);
     }
     distances[0] = 5;
-    CHECK_STATUS(cata_distance_exact(V, vertices, F, faces, 1, &beyond, distances, NULL),
+    CHECK_STATUS(cata_distance_exact(V, vertices, F, faces, 1, &beyond, NULL, distances, NULL),
                  CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("sources");
     CHECK(distances[0] == 5);
@@ -145,7 +146,8 @@ static void test_exact(void)
     double points[9 * V], weights[9 * V], length = 0, sum = 0;
     uint32_t of[3 * V], way[3];
     size_t n_vertices = 0, n_points = 0;
-    CHECK_STATUS(cata_distance_path_exact(V, vertices, F, faces, 3, through, NULL, &path), CATA_OK);
+    CHECK_STATUS(cata_distance_path_exact(V, vertices, F, faces, 3, through, NULL, NULL, &path),
+                 CATA_OK);
     CHECK_STATUS(cata_path_size(path, &n_vertices, &n_points, &length), CATA_OK);
     CHECK(fabs(length - apart(through[0], through[1]) - apart(through[1], through[2])) < 1e-12);
     CHECK(n_vertices == 3 && n_points >= 3 && n_points <= 3 * V);
@@ -169,19 +171,115 @@ static void test_exact(void)
     }
     cata_path_free(path);
     path = NULL;
-    CHECK_STATUS(cata_distance_path_exact(V, vertices, F, faces, 1, through, NULL, &path),
+    CHECK_STATUS(cata_distance_path_exact(V, vertices, F, faces, 1, through, NULL, NULL, &path),
                  CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("through: at least two points");
+    const uint32_t wrong[2] = {V, 0};
+    CHECK_STATUS(cata_distance_path_exact(V, vertices, F, faces, 2, wrong, NULL, NULL, &path),
+                 CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("through: vertex 441 is out of range");
     CHECK(path == NULL);
     CHECK_STATUS(cata_distance_path(V, vertices, F, faces, 0, 1, 0, NULL, &path), CATA_OK);
     CHECK_STATUS(cata_path_places(path, of, weights), CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("cata_distance_path_exact");
     cata_path_free(path);
     /* The first face alone. */
-    CHECK_STATUS(cata_distance_path_exact(V, vertices, 1, faces, 2, &through[1], NULL, &path),
+    CHECK_STATUS(cata_distance_path_exact(V, vertices, 1, faces, 2, &through[1], NULL, NULL, &path),
                  CATA_OK);
     CHECK_STATUS(cata_path_size(path, &n_vertices, &n_points, &length), CATA_OK);
     CHECK(n_vertices == 0 && n_points == 0 && isinf(length));
     cata_path_free(path);
+}
+
+static void test_points(void)
+{
+    /* Of face 6, and at the vertex that is nearest to a corner. */
+    const uint32_t places[2] = {6, CATA_IN_SPACE};
+    const double weights[6] = {0.2, 0.3, 0.5, 1.2, 1.1, 0.4};
+    double at[2] = {0, 0};
+    for (size_t c = 0; c < 3; c++) {
+        for (size_t k = 0; k < 2; k++) {
+            at[k] += weights[c] * vertices[3 * faces[3 * 6 + c] + k];
+        }
+    }
+    CHECK_STATUS(cata_distance_exact(V, vertices, F, faces, 1, places, weights, distances, NULL),
+                 CATA_OK);
+    for (size_t v = 0; v < V; v++) {
+        const double exact = hypot(vertices[3 * v] - at[0], vertices[3 * v + 1] - at[1]);
+        CHECK(fabs(distances[v] - exact) < 1e-12);
+    }
+    cata_path *path = NULL;
+    double length = 0;
+    size_t n_vertices = 7, n_points = 0;
+    CHECK_STATUS(cata_distance_path_exact(V, vertices, F, faces, 2, places, weights, NULL, &path),
+                 CATA_OK);
+    CHECK_STATUS(cata_path_size(path, &n_vertices, &n_points, &length), CATA_OK);
+    CHECK(n_vertices == 0 && n_points >= 2 && fabs(length - hypot(1 - at[0], 1 - at[1])) < 1e-12);
+    cata_path_free(path);
+    const uint32_t beyond[2] = {F, 0};
+    path = NULL;
+    CHECK_STATUS(cata_distance_path_exact(V, vertices, F, faces, 2, beyond, weights, NULL, &path),
+                 CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("through: face 800 is out of range");
+    CHECK(path == NULL);
+}
+
+static void test_trace(void)
+{
+    const double along[3] = {3, 4, 0}, weights[3] = {0.2, 0.3, 0.5}, up[3] = {0, 0, 1};
+    double points[9 * V], w[9 * V], heading[3], length = 0;
+    uint32_t of[3 * V];
+    size_t n_points = 0;
+    int32_t end = 7;
+    cata_path *path = NULL;
+    CHECK_STATUS(cata_distance_trace(V, vertices, F, faces, 0, NULL, along, 1, NULL, &path, &end,
+                                     heading),
+                 CATA_OK);
+    CHECK_STATUS(cata_path_size(path, NULL, &n_points, &length), CATA_OK);
+    CHECK(end == CATA_TRACE_COMPLETE && length == 1 && n_points >= 2 && n_points <= 3 * V);
+    CHECK(fabs(heading[0] - 0.6) < 1e-12 && fabs(heading[1] - 0.8) < 1e-12 && heading[2] == 0);
+    if (n_points >= 2 && n_points <= 3 * V) {
+        CHECK_STATUS(cata_path_get(path, NULL, points), CATA_OK);
+        const double *last = points + 3 * (n_points - 1);
+        CHECK(fabs(last[0] - 0.6) < 1e-12 && fabs(last[1] - 0.8) < 1e-12 && last[2] == 0);
+        CHECK_STATUS(cata_path_places(path, of, w), CATA_OK);
+        CHECK(of[n_points - 1] < F);
+        /* From there back. */
+        const double back[3] = {-heading[0], -heading[1], -heading[2]};
+        cata_path *other = NULL;
+        CHECK_STATUS(cata_distance_trace(V, vertices, F, faces, of[n_points - 1],
+                                         w + 3 * (n_points - 1), back, 0.5, NULL, &other, &end,
+                                         NULL),
+                     CATA_OK);
+        CHECK_STATUS(cata_path_size(other, NULL, &n_points, NULL), CATA_OK);
+        CHECK(n_points >= 2 && n_points <= 3 * V);
+        CHECK_STATUS(cata_path_get(other, NULL, points), CATA_OK);
+        CHECK(fabs(points[3 * n_points - 3] - 0.3) < 1e-12);
+        CHECK(fabs(points[3 * n_points - 2] - 0.4) < 1e-12);
+        cata_path_free(other);
+    }
+    cata_path_free(path);
+    CHECK_STATUS(cata_distance_trace(V, vertices, F, faces, 0, NULL, along, 7, NULL, &path, &end,
+                                     NULL),
+                 CATA_OK);
+    CHECK_STATUS(cata_path_size(path, NULL, NULL, &length), CATA_OK);
+    CHECK(end == CATA_TRACE_BOUNDARY && fabs(length - 1.25) < 1e-12);
+    cata_path_free(path);
+    path = NULL;
+    end = 7;
+    CHECK_STATUS(cata_distance_trace(V, vertices, F, faces, F, weights, along, 1, NULL, &path, &end,
+                                     NULL),
+                 CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("start: face 800 is out of range");
+    CHECK_STATUS(cata_distance_trace(V, vertices, F, faces, 3, weights, up, 1, NULL, &path, &end,
+                                     NULL),
+                 CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("direction: is perpendicular to face 3");
+    CHECK_STATUS(cata_distance_trace(V, vertices, F, faces, 3, weights, along, -1, NULL, &path,
+                                     &end, NULL),
+                 CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("length: must be finite and at least 0");
+    CHECK(path == NULL && end == 7);
 }
 
 static int32_t cancel(double fraction, void *user)
@@ -239,6 +337,8 @@ int main(void)
     test_edges();
     test_paths();
     test_exact();
+    test_points();
+    test_trace();
     test_refusals();
     return report("test_distance");
 }

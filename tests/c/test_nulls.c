@@ -156,10 +156,12 @@ static void test_distances(void)
     NEEDS("faces", cata_distance_edges(V, v, F, NULL, 1, &source, x, NULL, NULL, NULL));
     NEEDS("sources", cata_distance_edges(V, v, F, f, 1, NULL, x, NULL, NULL, NULL));
     NEEDS("distances", cata_distance_edges(V, v, F, f, 1, &source, NULL, NULL, NULL, NULL));
-    NEEDS("sources", cata_distance_exact(V, v, F, f, 1, NULL, x, NULL));
-    NEEDS("distances", cata_distance_exact(V, v, F, f, 1, &source, NULL, NULL));
-    NEEDS("through", cata_distance_path_exact(V, v, F, f, 2, NULL, NULL, &other));
-    NEEDS("path", cata_distance_path_exact(V, v, F, f, 1, &source, NULL, NULL));
+    NEEDS("sources", cata_distance_exact(V, v, F, f, 1, NULL, NULL, x, NULL));
+    NEEDS("distances", cata_distance_exact(V, v, F, f, 1, &source, NULL, NULL, NULL));
+    NEEDS("through", cata_distance_path_exact(V, v, F, f, 2, NULL, NULL, NULL, &other));
+    NEEDS("path", cata_distance_path_exact(V, v, F, f, 1, &source, NULL, NULL, NULL));
+    NEEDS("direction", cata_distance_trace(V, v, F, f, 0, NULL, NULL, 1, NULL, &other, NULL, NULL));
+    NEEDS("path", cata_distance_trace(V, v, F, f, 0, NULL, v, 1, NULL, NULL, NULL, NULL));
     NEEDS("path", cata_path_places(NULL, NULL, NULL));
     NEEDS("vertices", cata_distance_path(V, NULL, F, f, 0, 1, 0, NULL, &other));
     NEEDS("path", cata_distance_path(V, v, F, f, 0, 1, 0, NULL, NULL));

@@ -94,7 +94,8 @@ pub fn cells(runs: &[Run]) -> Vec<Cell> {
     cells
 }
 
-/// Returns tables 6.1 and 6.2, with the thesis' numbers in brackets.
+/// Returns tables 6.1 and 6.2, with the thesis' numbers in brackets. What is above every other
+/// number of its column, those in brackets included, is bold.
 pub fn order_table(runs: &[Run]) -> String {
     let mut text = String::new();
     for (number, ((sampling, kind), thesis)) in KINDS.into_iter().zip(THESIS).enumerate() {
@@ -104,15 +105,22 @@ pub fn order_table(runs: &[Run]) -> String {
             SIZES.map(|k| k.to_string()).join(" | "),
             "---|".repeat(SIZES.len())
         );
+        let ordered = |method: Method, count: usize| {
+            let own = runs
+                .iter()
+                .filter(|r| r.method == method && r.sampling == sampling && r.samples == count);
+            share(own, |r| r.ordered)
+        };
         for (m, method) in Method::ALL.into_iter().enumerate() {
             let cell = |(k, &count): (usize, &usize)| {
-                let own = runs
-                    .iter()
-                    .filter(|r| r.method == method && r.sampling == sampling && r.samples == count);
-                let ours = share(own, |r| r.ordered);
+                let ours = ordered(method, count);
+                let others = Method::ALL.into_iter().filter(|&other| other != method);
+                let others = others.map(|other| ordered(other, count));
+                let is_best = others.chain(thesis.map(|row| row[k])).all(|other| ours > other);
+                let shown = if is_best { format!("**{ours:.1}**") } else { format!("{ours:.1}") };
                 match thesis.get(m) {
-                    Some(row) => format!("{ours:.1} ({})", row[k]),
-                    None => format!("**{ours:.1}**"),
+                    Some(row) => format!("{shown} ({})", row[k]),
+                    None => shown,
                 }
             };
             let row: Vec<String> = SIZES.iter().enumerate().map(cell).collect();

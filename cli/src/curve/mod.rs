@@ -1,6 +1,6 @@
 //! `catamaran curve`.
 
-mod samples;
+pub mod samples;
 mod surface;
 pub mod write;
 
@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, bail};
 use catamaran_geometry::curve::{
     Count, Curve, CurveOptions, Drawing, Drawn, Mode, Outcome, Placement, Reconstruction, Region,
-    cut, place,
+    cut, place, places,
 };
 use catamaran_geometry::mesh::{Refined, TriMesh};
 use clap::{ArgGroup, ValueEnum, ValueHint};
@@ -80,7 +80,7 @@ pub struct Args {
     #[arg(long)]
     insert: bool,
     /// Output file of the curves: .obj (lines), or .json (outcome, order of the samples, samples
-    /// left out, path of vertices, points, length).
+    /// left out, path of vertices, points with their faces and barycentric coordinates, length).
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     #[command(flatten)]
@@ -150,7 +150,10 @@ pub fn run(args: &Args) -> Result<()> {
     }
     if let Some((format, output)) = output {
         let path = output.path().display().to_string();
-        write::write(output, &found, format)?;
+        let refined = placed_on.then(drawing.refinement().clone());
+        let on_faces = found.iter().map(|(_, found)| places(&found.curves, &refined, &file.mesh));
+        let on_faces: Vec<_> = on_faces.collect::<catamaran::Result<_>>()?;
+        write::write(output, &found, &on_faces, format)?;
         status!("written", path = path; "{path}")?;
     }
     if !outcome.is_complete() {

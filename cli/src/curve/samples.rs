@@ -104,7 +104,9 @@ fn group(name: &str, options: &[&str], start: usize) -> Result<Group> {
     Ok(group)
 }
 
-fn site(words: &[&str]) -> Option<Site> {
+/// Returns the position of a sample: a vertex, a face and three barycentric coordinates, or a point
+/// in space.
+pub fn site(words: &[&str]) -> Option<Site> {
     let numbers = |words: &[&str]| -> Option<[f64; 3]> {
         let all: Vec<f64> = words.iter().filter_map(|word| word.parse().ok()).collect();
         all.try_into().ok()

@@ -7,6 +7,7 @@ use std::path::Path;
 use anyhow::{Result, bail};
 use catamaran::io::Output;
 use catamaran_geometry::curve::{Outcome, Reconstruction};
+use catamaran_geometry::mesh::SurfacePoint;
 
 use super::samples::Group;
 
@@ -38,11 +39,14 @@ pub fn outcome(found: &Found<'_>) -> Option<Outcome> {
     all.find(|outcome| !outcome.is_complete()).or(first)
 }
 
+/// The points of each curve of each group, on the faces of the mesh of the command line.
+pub type Places = [Vec<Vec<SurfacePoint>>];
+
 /// Writes the curves.
-pub fn write(mut output: Output, found: &Found<'_>, format: Format) -> Result<()> {
+pub fn write(mut output: Output, found: &Found<'_>, places: &Places, format: Format) -> Result<()> {
     let text = match format {
         Format::Obj => obj(found),
-        Format::Json => json(found),
+        Format::Json => json(found, places),
     };
     output.write_all(text.as_bytes()).map_err(|e| output.error(e))?;
     Ok(output.commit()?)
@@ -80,25 +84,30 @@ fn list<T: ToString>(all: impl Iterator<Item = T>) -> String {
 }
 
 /// Returns the curves as JSON. `order` and `path` join those of all curves; `curves` has them one
-/// by one. Samples are numbered over the whole file.
-fn json(found: &Found<'_>) -> String {
+/// by one, and the face and the barycentric coordinates of each point. Samples are numbered over
+/// the whole file.
+fn json(found: &Found<'_>, places: &Places) -> String {
     let mut each = Vec::new();
     let (mut order, mut path, mut left_out) = (Vec::new(), Vec::<u32>::new(), Vec::new());
-    for (group, found) in found {
+    for ((group, found), places) in found.iter().zip(places) {
         let number = |i: &u32| group.samples.start + *i as usize;
         left_out.extend(found.left_out.iter().map(number));
         let name = group.name.as_ref();
         let name = name.map_or(String::new(), |name| format!("\"name\": \"{name}\", "));
-        for curve in &found.curves {
+        for (curve, places) in found.curves.iter().zip(places) {
+            let weights = places.iter().map(|place| place.weights);
+            let weights = weights.map(|[a, b, c]| format!("[{a}, {b}, {c}]"));
             let points = curve.points.iter().map(|[x, y, z]| format!("[{x}, {y}, {z}]"));
             each.push(format!(
                 "    {{{name}\"closed\": {}, \"length\": {}, \"order\": {}, \"path\": {}, \
-                 \"points\": {}}}",
+                 \"points\": {}, \"faces\": {}, \"weights\": {}}}",
                 curve.closed,
                 curve.length,
                 list(curve.order.iter().map(number)),
                 list(curve.path.iter()),
-                list(points)
+                list(points),
+                list(places.iter().map(|place| place.face)),
+                list(weights)
             ));
             order.extend(curve.order.iter().map(number));
             path.extend(&curve.path);

@@ -61,7 +61,7 @@ pub struct Args {
         value_name = "RE,IM:RE,IM...",
         value_delimiter = ':',
         allow_hyphen_values = true,
-        value_parser = numbers::<2>
+        value_parser = parse::numbers::<2>
     )]
     roots: Vec<[f64; 2]>,
     /// Use this polynomial, of a degree up to 64: --polynomial "z^3 - 2z + 2", "(1+2i) z^4 - (z -
@@ -111,7 +111,7 @@ pub struct Args {
         value_name = "X,Y,Z",
         default_value_t = Numbers(NewtonOptions::default().offset),
         allow_hyphen_values = true,
-        value_parser = |text: &str| numbers::<3>(text).map(Numbers)
+        value_parser = |text: &str| parse::numbers::<3>(text).map(Numbers)
     )]
     offset: Numbers<3>,
     /// Number of iterations of Newton's method.
@@ -436,15 +436,6 @@ fn fitted(mesh: &TriMesh, extent: f64) -> catamaran::Result<TriMesh> {
     let (mut vertices, faces) = mesh.normalized(Normalization::UnitBox)?.into_parts();
     vertices.as_flattened_mut().iter_mut().for_each(|x| *x *= extent);
     TriMesh::new(vertices, faces)
-}
-
-/// Parses N numbers separated by commas.
-fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
-    let all: Result<Vec<f64>, _> = text.split(',').map(|word| word.trim().parse()).collect();
-    let all = all.map_err(|e| format!("expected {N} numbers separated by commas: {e}"))?;
-    all.try_into().map_err(|all: Vec<f64>| {
-        format!("expected {N} numbers separated by commas, not {}", all.len())
-    })
 }
 
 /// Parses `N` or `WIDTHxHEIGHT`.

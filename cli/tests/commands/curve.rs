@@ -1,7 +1,7 @@
 //! `catamaran curve`, from outside.
 
 use catamaran_geometry::mesh::io::{read, write};
-use catamaran_geometry::mesh::{TriMesh, families};
+use catamaran_geometry::mesh::{SurfacePoint, TriMesh, families};
 
 use crate::common::{Folder, calls};
 
@@ -49,6 +49,26 @@ fn points_in_space_and_on_faces_are_samples() {
     folder.succeed("curve mesh.obj --samples samples.txt --insert -o curve.json");
     let json = std::fs::read_to_string(folder.path("curve.json")).unwrap();
     assert!(json.contains("800"), "the inserted vertex: {json}");
+}
+
+#[test]
+fn points_of_smooth_curves_are_points_of_faces_of_the_mesh() {
+    let mesh = families::torus(40, 20, 2.0, 0.8).unwrap();
+    let folder = folder(&mesh, "2.8 0 0\n-2.8 0.1 0\n0 2.8 0\n0 0.2 0.7 0.1\n");
+    folder.succeed("curve mesh.obj --samples samples.txt --insert --smooth -o curve.json");
+    let json = std::fs::read_to_string(folder.path("curve.json")).unwrap();
+    let found: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let curve = &found["curves"][0];
+    let rows =
+        |name: &str| -> Vec<[f64; 3]> { serde_json::from_value(curve[name].clone()).unwrap() };
+    let faces: Vec<u32> = serde_json::from_value(curve["faces"].clone()).unwrap();
+    let (points, weights) = (rows("points"), rows("weights"));
+    assert!(points.len() > 4 && points.len() == weights.len() && points.len() == faces.len());
+    for ((face, weights), point) in faces.into_iter().zip(weights).zip(points) {
+        let position = SurfacePoint { face, weights }.position(&mesh);
+        let apart = (0..3).map(|k| (position[k] - point[k]).abs()).fold(0.0, f64::max);
+        assert!(apart < 1e-9, "face {face}, {weights:?}: {position:?} and {point:?}");
+    }
 }
 
 #[test]

@@ -534,6 +534,89 @@ fn exact_distances_and_paths_are_those_of_the_unfolded_faces() {
 }
 
 #[test]
+fn exact_distances_and_paths_start_and_end_inside_faces() {
+    let folder = Folder::new();
+    folder.write("rhombus.obj", "v 0 0 0\nv 1 -3 0\nv 2 0 0\nv 1 3 0\nf 1 2 3\nf 1 3 4\n");
+    let run = |words: &[&str]| {
+        let output =
+            folder.program().args(["distance", "rhombus.obj"]).args(words).output().unwrap();
+        let said = [output.stdout, output.stderr].concat();
+        (output.status.success(), String::from_utf8(said).unwrap())
+    };
+    // The middle of the diagonal, in the second face, and the vertex 1 by its position.
+    let from = "1 0.5 0.5 0";
+    let (done, said) = run(&["--from", from, "--method", "exact", "-o", "d.npy"]);
+    assert!(done, "{said}");
+    for (found, exact) in folder.read_npy::<f64>("d.npy", &[4, 1]).iter().zip([1.0, 3.0, 1.0, 3.0])
+    {
+        assert!((found - exact).abs() < 1e-14, "{found} and not {exact}");
+    }
+    let exact = ["--method", "exact", "-o", "e.npy", "--force"];
+    let to = "1 -2.9 0.3,0 0.25 0.25 0.5,3";
+    let (done, said) = run(&[&["--from", from, "--to", to][..], &exact].concat());
+    // To (1, -3), back to (1.25, -0.75), and to (1, 3).
+    let length = 3.0 + f64::hypot(0.25, 2.25) + f64::hypot(0.25, 3.75);
+    assert!(done && said.contains(&format!("path        {length:.6e} in")), "{said}");
+    for (words, why) in [
+        (&["--from", from, "-o", "f.npy"][..], "--from: points of faces are for --method exact"),
+        (&["--from", "0", "--to", from, "-o", "f.npy"], "--to: points of faces are for"),
+        (&["--from", "2 1 0 0", "--method", "exact", "-o", "f.npy"], "--from: face 2 is out of"),
+        (&["--from", "1 1 1 0", "--method", "exact", "-o", "f.npy"], "wrong barycentric"),
+        (&["--from", "1 1", "-o", "f.npy"], "expected a vertex, a face and three barycentric"),
+        (
+            &["--from", "0", "-o", "f.npy", "--path-output", "p.obj"],
+            "needs a path: --to or --trace",
+        ),
+    ] {
+        let (done, said) = run(words);
+        assert!(!done && said.contains(why), "{said}");
+    }
+}
+
+#[test]
+fn geodesics_are_traced_from_a_point_in_a_direction() {
+    let folder = Folder::new();
+    folder.write("rhombus.obj", "v 0 0 0\nv 1 -3 0\nv 2 0 0\nv 1 3 0\nf 1 2 3\nf 1 3 4\n");
+    let said = folder
+        .succeed("distance rhombus.obj --from 1 --trace 0,2,0 --length 4.5 --path-output path.csv");
+    let is_said = said.contains("trace       4.500000e0 to ") && said.contains(", on face 1\n");
+    assert!(is_said, "{said}");
+    let path = std::fs::read_to_string(folder.path("path.csv")).unwrap();
+    let rows: Vec<Vec<f64>> = path
+        .lines()
+        .skip(1)
+        .map(|row| row.split(',').map(|x| x.parse().unwrap()).collect())
+        .collect();
+    for (row, exact) in rows.iter().zip([-3.0, 0.0, 1.5]) {
+        assert!((row[0] - 1.0).abs() < 1e-14 && (row[1] - exact).abs() < 1e-14, "{path}");
+    }
+    assert!(path.starts_with("x,y,z,face,a,b,c\n") && rows.len() == 3, "{path}");
+    let said = folder.succeed("--json distance rhombus.obj --from 1 --trace 0,1,0 --length 7");
+    for part in [r#""record":"trace""#, r#""end":"boundary""#, r#""direction":["#] {
+        assert!(said.contains(part), "{said}");
+    }
+    let said = folder.succeed("distance rhombus.obj --from 1 --trace 0,1,0 --length 7");
+    assert!(said.contains("6.000000e0 to ") && said.contains(", stopped at the boundary"));
+    // With distances, whose method does not matter.
+    folder.succeed("distance rhombus.obj --from 1 --trace 0,1,0 --length 2 -o d.npy");
+    assert!((folder.read_npy::<f64>("d.npy", &[4, 1])[3] - 6.0).abs() < 1e-12);
+    for (line, why) in [
+        ("--from 1 --trace 0,1 --length 7", "expected 3 numbers separated by commas"),
+        ("--from 1 --trace 0,0,1 --length 7", "--trace: points away from the surface at vertex 1"),
+        ("--from 1 --trace 0,0,0 --length 7", "--trace: must be finite and not 0"),
+        ("--from 1,2 --trace 0,1,0 --length 7", "--trace starts from one point: --from has 2"),
+        ("--from 4 --trace 0,1,0 --length 7", "--from: vertex 4 is out of range"),
+        ("--from 1 --trace 0,1,0", "--length"),
+        ("--from 1 --length 7 -o e.npy", "--trace"),
+        ("--from 1 --trace 0,1,0 --length 7 --to 3", "--to"),
+        ("--from 1", "--output"),
+    ] {
+        let run = folder.run(&format!("distance rhombus.obj {line}"));
+        assert!(run.code != Some(0) && run.stderr.contains(why), "{line}: {}", run.stderr);
+    }
+}
+
+#[test]
 fn distances_are_over_faces_or_along_edges() {
     let folder = Folder::new();
     let mesh = families::spheres(2, 3).unwrap();

@@ -68,6 +68,11 @@ impl Drawing {
         self.solver.mesh()
     }
 
+    /// Returns the refinement of the mesh of the drawing to [`Drawing::mesh`].
+    pub fn refinement(&self) -> &Refined {
+        &self.base
+    }
+
     /// Returns the reconstruction of each layer. Paths and waypoints refer to [`Drawing::mesh`].
     pub fn found(&self) -> impl Iterator<Item = &Reconstruction> {
         self.layers.iter().map(|layer| &layer.found)

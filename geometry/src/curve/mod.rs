@@ -22,6 +22,7 @@ pub mod dataset;
 mod drawing;
 mod faithful;
 mod inscribe;
+mod places;
 mod proximity;
 mod refinement;
 mod region;
@@ -37,12 +38,14 @@ mod tests;
 mod tour;
 mod walls;
 
+pub use crate::mesh::Site;
 pub use cut::cut;
 pub use drawing::{Drawing, Drawn};
 pub use inscribe::{Inscribed, inscribe};
+pub use places::places;
 pub use region::{Region, Side};
 pub use result::{Curve, Outcome, Reconstruction, Waypoint, same_order};
-pub use sites::{Placed, Placement, Site, place, refined};
+pub use sites::{Placed, Placement, place, refined};
 pub use smooth::{Smoothed, smooth};
 pub use solver::{Count, CurveOptions, CurveSolver, Mode};
 

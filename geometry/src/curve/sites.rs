@@ -1,23 +1,12 @@
 use std::borrow::Cow;
 
 use super::refinement::Refinement;
-use crate::mesh::vector::{Vector, cross, distance, dot, doubled_normal, norm, sub};
-use crate::mesh::{Refined, SurfacePoint, TriMesh};
+use crate::mesh::vector::{Vector, cross, dot, doubled_normal, norm, sub};
+use crate::mesh::{Refined, Site, SurfacePoint, TriMesh, nearest_vertex};
 use catamaran::base::{Error, Result};
 
 /// Barycentric coordinates below this count as 0: the point is on an edge, or at a vertex.
 const NOTHING: f64 = 1e-9;
-
-/// The position of a sample.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Site {
-    /// At a vertex.
-    Vertex(u32),
-    /// On a face; the sum of the barycentric coordinates is 1 to 1e-6.
-    Face(SurfacePoint),
-    /// At the vertex nearest to a point in space.
-    Near([f64; 3]),
-}
 
 /// The treatment of a point that is not at a vertex.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,10 +50,14 @@ pub fn place(mesh: &TriMesh, sites: &[Site], placement: Placement) -> Result<Pla
     let mut vertices = Vec::with_capacity(sites.len());
     let used = mesh.referenced();
     for (i, site) in sites.iter().enumerate() {
-        check(mesh, i, site)?;
+        let refused = |why| Error::Argument { what: "sites", why: format!("site {i}: {why}") };
+        if let Some(why) = site.fault(mesh) {
+            return Err(refused(why));
+        }
         vertices.push(match *site {
             Site::Vertex(vertex) => vertex,
-            Site::Near(point) => nearest(mesh, &used, point, i)?,
+            Site::Near(point) => nearest_vertex(mesh, &used, point)
+                .ok_or_else(|| refused("no vertex has a face".into()))?,
             Site::Face(point) => match placement {
                 Placement::Snap => mesh.faces()[point.face as usize][largest(point.weights)],
                 Placement::Insert => insert(&mut refinement, point)?,
@@ -108,43 +101,8 @@ pub(super) fn with_steiner(mesh: &TriMesh, steiner: &[[u32; 2]]) -> Result<Refin
     refinement.to_mesh()
 }
 
-fn check(mesh: &TriMesh, i: usize, site: &Site) -> Result<()> {
-    let refused = |why| Err(Error::Argument { what: "sites", why });
-    match *site {
-        Site::Vertex(v) if v as usize >= mesh.vertices().len() => {
-            let n = mesh.vertices().len();
-            refused(format!("site {i} is vertex {v}, out of range: {n} vertices"))
-        }
-        Site::Face(SurfacePoint { face, .. }) if face as usize >= mesh.faces().len() => {
-            let n = mesh.faces().len();
-            refused(format!("site {i} is on face {face}, out of range: {n} faces"))
-        }
-        Site::Face(SurfacePoint { weights, .. }) => {
-            let sum: f64 = weights.iter().sum();
-            match weights.iter().all(|&w| w >= 0.0) && (sum - 1.0).abs() <= 1e-6 {
-                true => Ok(()),
-                false => refused(format!("site {i} has wrong barycentric coordinates {weights:?}")),
-            }
-        }
-        Site::Near(point) if !point.iter().all(|x| x.is_finite()) => {
-            refused(format!("site {i} must be at a finite point, is at {point:?}"))
-        }
-        Site::Vertex(_) | Site::Near(_) => Ok(()),
-    }
-}
-
 fn largest(weights: [f64; 3]) -> usize {
     (0..3).rev().max_by(|&i, &j| weights[i].total_cmp(&weights[j])).unwrap_or_default()
-}
-
-/// Returns the nearest vertex with a face, the lowest of equally near ones.
-fn nearest(mesh: &TriMesh, used: &[bool], point: Vector, site: usize) -> Result<u32> {
-    let all = (0..).zip(mesh.vertices()).filter(|&(v, _): &(u32, _)| used[v as usize]);
-    let near = all.map(|(v, &p)| (distance(p, point), v)).min_by(|x, y| x.0.total_cmp(&y.0));
-    near.map(|(_, v)| v).ok_or_else(|| Error::Argument {
-        what: "sites",
-        why: format!("site {site} needs a mesh with faces"),
-    })
 }
 
 /// Returns the vertex of a point on a face, which earlier points may have cut.

@@ -347,10 +347,9 @@ fn sites_are_snapped_or_inserted() {
     assert!(refined.face_normals().iter().all(|n| n[2] == 1.0), "a face is turned over");
     assert!(refined.require_manifold().is_ok());
     let refused = |site| place(&mesh, &[site], Placement::Insert).unwrap_err().to_string();
-    assert!(refused(Site::Vertex(6)).contains("site 0 is vertex 6, out of range: 6 vertices"));
-    assert!(
-        refused(on_face(4, [1.0, 0.0, 0.0])).contains("site 0 is on face 4, out of range: 4 faces")
-    );
+    assert!(refused(Site::Vertex(6)).contains("site 0: vertex 6 is out of range: 6 vertices"));
+    let beyond = refused(on_face(4, [1.0, 0.0, 0.0]));
+    assert!(beyond.contains("site 0: face 4 is out of range: 4 faces"), "{beyond}");
     assert!(refused(on_face(0, [1.0, 0.5, -0.5])).contains("barycentric"));
     assert!(refused(Site::Near([f64::NAN; 3])).contains("site 0"));
 }

@@ -29,7 +29,8 @@ pub use compare::{Comparison, OneSided};
 pub(crate) use compare::{Triangles, nearest_on_triangle, squares};
 pub(crate) use distance::Search;
 pub use distance::{
-    Dijkstra, GeodesicPath, Geodesics, Graph, HeatMethod, HeatOptions, SearchLimits,
+    Dijkstra, GeodesicPath, GeodesicTrace, Geodesics, Graph, HeatMethod, HeatOptions, SearchLimits,
+    TraceEnd,
 };
 pub use isosurface::{Lattice, Rim, isosurface, label_surface, label_surface_by};
 pub use laplacian::{
@@ -39,8 +40,8 @@ pub use measure::Normalization;
 pub(crate) use measure::quality;
 pub use operators::{divergence, gradient, vertex_areas};
 pub use parts::Part;
-pub use point::SurfacePoint;
-pub(crate) use point::interpolate;
+pub use point::{Site, SurfacePoint};
+pub(crate) use point::{interpolate, nearest_vertex};
 pub use refined::{Origin, Refined};
 pub(crate) use repair::manifold;
 pub use repair::{

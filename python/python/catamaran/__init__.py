@@ -17,7 +17,15 @@ from ._catamaran import Plan, __version__
 from ._cholesky import Cholesky, cholesky
 from ._curve import Curve, Curves, Drawn, Placed, curve, draw, place
 from ._decimate import Decimated, Difference, FarthestPoints, Origin, decimate, farthest_points
-from ._distance import GeodesicPath, ShortestPath, distances, geodesic_path, shortest_path
+from ._distance import (
+    GeodesicPath,
+    GeodesicTrace,
+    ShortestPath,
+    distances,
+    geodesic_path,
+    shortest_path,
+    trace_geodesic,
+)
 from ._distribution import warn_of_other
 from ._gram import SVD, LeastSquares, PrincipalComponents, lstsq, pca, svd
 from ._isosurface import isosurface, label_surface
@@ -92,6 +100,7 @@ __all__ = [
     "Fractal",
     "FunctionalMap",
     "GeodesicPath",
+    "GeodesicTrace",
     "Laplacian",
     "LeastSquares",
     "Mesh",
@@ -170,6 +179,7 @@ __all__ = [
     "shot",
     "slime",
     "svd",
+    "trace_geodesic",
     "transfer",
     "transfer_details",
     "union_spectrum",

@@ -405,6 +405,7 @@ def distances(
     v: ArrayLike,
     f: ArrayLike,
     sources: ArrayLike,
+    weights: Optional[ArrayLike],
     method: str,
     time: float,
     kind: str,
@@ -412,8 +413,21 @@ def distances(
     progress: Callback,
 ) -> Array: ...
 def geodesic_path(
-    v: ArrayLike, f: ArrayLike, through: ArrayLike, progress: Callback
+    v: ArrayLike,
+    f: ArrayLike,
+    through: ArrayLike,
+    weights: Optional[ArrayLike],
+    progress: Callback,
 ) -> Tuple[Array, Array, Array, float]: ...
+def trace_geodesic(
+    v: ArrayLike,
+    f: ArrayLike,
+    start: int,
+    direction: ArrayLike,
+    length: float,
+    weights: Optional[ArrayLike],
+    progress: Callback,
+) -> Tuple[Tuple[Array, Array, Array, float], str, Array]: ...
 def shortest_path(
     v: ArrayLike, f: ArrayLike, start: int, end: int
 ) -> Tuple[Array, Array, float]: ...

@@ -12,7 +12,15 @@ from ._options import Progress, callback
 from ._surface import takes_mesh
 from ._words import DistanceMethod, Kind
 
-__all__ = ["GeodesicPath", "ShortestPath", "distances", "geodesic_path", "shortest_path"]
+__all__ = [
+    "GeodesicPath",
+    "GeodesicTrace",
+    "ShortestPath",
+    "distances",
+    "geodesic_path",
+    "shortest_path",
+    "trace_geodesic",
+]
 
 
 @takes_mesh
@@ -21,6 +29,7 @@ def distances(
     f: ArrayLike,
     sources: ArrayLike,
     *,
+    weights: Optional[ArrayLike] = None,
     method: DistanceMethod = "heat",
     time: float = 1.0,
     kind: Kind = "tufted",
@@ -34,7 +43,10 @@ def distances(
     v, f : array_like, n x 3 and m x 3
         Vertices and faces.
     sources : array_like of vertices
-        Where distances are 0.
+        Where distances are 0. With `weights`, points of these faces.
+    weights : array_like, a row of 3 numbers for each source
+        Of exact distances: barycentric coordinates of the sources in their faces. None: the
+        sources are vertices.
     method : {"heat", "exact", "edges"}
         Over the surface by the heat method, which is not exact, or exactly up to rounding; or
         along edges.
@@ -58,7 +70,9 @@ def distances(
     >>> catamaran.distances(mesh, [0], method="edges")[[1, 4]] * 4
     array([1., 4.])
     """
-    return _catamaran.distances(v, f, sources, method, time, kind, threads, callback(progress))
+    return _catamaran.distances(
+        v, f, sources, weights, method, time, kind, threads, callback(progress)
+    )
 
 
 class ShortestPath(NamedTuple):
@@ -112,16 +126,23 @@ class GeodesicPath(NamedTuple):
 
 @takes_mesh
 def geodesic_path(
-    v: ArrayLike, f: ArrayLike, through: ArrayLike, *, progress: Progress = None
+    v: ArrayLike,
+    f: ArrayLike,
+    through: ArrayLike,
+    *,
+    weights: Optional[ArrayLike] = None,
+    progress: Progress = None,
 ) -> GeodesicPath:
-    """Find the shortest path over faces that leads through vertices in their order.
+    """Find the shortest path over faces that leads through points in their order.
 
     Parameters
     ----------
     v, f : array_like, n x 3 and m x 3
         Vertices and faces.
     through : array_like of vertices
-        At least two: the first and the last are the ends.
+        At least two: the first and the last are the ends. With `weights`, points of these faces.
+    weights : array_like, a row of 3 numbers for each point
+        Barycentric coordinates of the points in their faces. None: the points are vertices.
     progress
         As in `ata`.
 
@@ -136,4 +157,71 @@ def geodesic_path(
     >>> len(path.points), round(path.length, 6)
     (3, 1.414214)
     """
-    return GeodesicPath(*_catamaran.geodesic_path(v, f, through, callback(progress)))
+    return GeodesicPath(*_catamaran.geodesic_path(v, f, through, weights, callback(progress)))
+
+
+class GeodesicTrace(NamedTuple):
+    """A geodesic of `trace_geodesic`."""
+
+    #: Where it starts, crosses edges, passes vertices and ends.
+    points: NDArray[np.float64]
+    #: The face of each point.
+    faces: NDArray[Any]
+    #: The barycentric coordinates of each point in its face.
+    weights: NDArray[np.float64]
+    #: Its length: the length asked for, or less if it stops.
+    length: float
+    #: How it ends: "complete", or where it stops, at the "boundary", or "non-manifold": where more
+    #: than one way leads on.
+    end: str
+    #: Its direction at the end, of length 1, in the plane of the last face.
+    direction: NDArray[np.float64]
+
+
+@takes_mesh
+def trace_geodesic(
+    v: ArrayLike,
+    f: ArrayLike,
+    start: int,
+    direction: ArrayLike,
+    length: float,
+    *,
+    weights: Optional[ArrayLike] = None,
+    progress: Progress = None,
+) -> GeodesicTrace:
+    """Trace the geodesic that leaves a point in a direction, for a length.
+
+    It is straight over faces and edges, and passes vertices with equal angles on both sides
+    (Polthier and Schmies 1998). It stops at the boundary, and where more than one way leads on.
+
+    Parameters
+    ----------
+    v, f : array_like, n x 3 and m x 3
+        Vertices and faces.
+    start : int
+        A vertex; with `weights`, a face.
+    direction : 3 numbers
+        Of any length. It is projected onto the face of the start; at a vertex it stands for the
+        nearest direction over a face.
+    length : float
+        At least 0.
+    weights : 3 numbers
+        Barycentric coordinates of the start in its face. None: the start is a vertex.
+    progress
+        As in `ata`.
+
+    Returns
+    -------
+    GeodesicTrace
+
+    Examples
+    --------
+    >>> import catamaran
+    >>> trace = catamaran.trace_geodesic(catamaran.shapes.grid(5, 5), 0, [3, 4, 0], 7)
+    >>> round(trace.length, 6), trace.end
+    (1.25, 'boundary')
+    """
+    path, end, heading = _catamaran.trace_geodesic(
+        v, f, start, direction, length, weights, callback(progress)
+    )
+    return GeodesicTrace(*path, end, heading)

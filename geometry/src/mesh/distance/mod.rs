@@ -12,7 +12,7 @@ mod search;
 mod tests;
 
 pub use dijkstra::{Dijkstra, SearchLimits};
-pub use geodesics::{GeodesicPath, Geodesics};
+pub use geodesics::{GeodesicPath, GeodesicTrace, Geodesics, TraceEnd};
 pub use graph::Graph;
 pub use heat::{HeatMethod, HeatOptions};
 pub(crate) use search::Search;

@@ -1,8 +1,9 @@
 use std::f64::consts::{PI, TAU};
 
+use super::trace_end::TraceEnd;
 use crate::mesh::slots::{next, previous};
 use crate::mesh::topology::corners;
-use crate::mesh::vector::{Vector, cross, dot, norm, sub};
+use crate::mesh::vector::{Vector, cross, dot, norm, scale, sub, unit};
 use crate::mesh::{Adjacency, Edges, TriMesh};
 use catamaran::base::{Error, Result};
 
@@ -143,6 +144,69 @@ impl<'m> Glued<'m> {
         }
     }
 
+    /// Returns the place of a point of the face of a slot, by its barycentric coordinates, in the
+    /// face unfolded along the edge of the slot.
+    pub fn local(&self, slot: u32, weights: [f64; 3]) -> [f64; 2] {
+        let Unfolded { length, apex: [x, y] } = self.unfolded(slot);
+        let [head, third] = [next(slot), previous(slot)].map(|s| weights[s as usize % 3]);
+        [head * length + third * x, third * y]
+    }
+
+    /// Returns whether the face of a slot has no area.
+    pub fn is_flat(&self, slot: u32) -> bool {
+        self.unfolded(slot).apex[1] <= 0.0
+    }
+
+    /// Returns the directions in space of the axes of a face that is unfolded along the edge of a
+    /// slot. The second is zero for a face without area.
+    pub fn axes(&self, slot: u32) -> [Vector; 2] {
+        let along = unit(self.along(slot));
+        let to_apex = sub(self.position(previous(slot)), self.position(slot));
+        [along, unit(sub(to_apex, scale(along, dot(to_apex, along))))]
+    }
+
+    /// Returns whether paths may end at a vertex because the surface does: at its boundary, or
+    /// because it meets itself there.
+    pub fn end_at(&self, vertex: u32) -> Option<TraceEnd> {
+        match self.bends[vertex as usize] {
+            Bend::Nowhere | Bend::Inside(_) => None,
+            Bend::Boundary => Some(TraceEnd::Boundary),
+            Bend::Anywhere => Some(TraceEnd::NonManifold),
+        }
+    }
+
+    /// Returns the slot of the edge of `slot` in the only other face of the edge, or why there is
+    /// none.
+    pub fn beyond_edge(&self, slot: u32) -> std::result::Result<u32, TraceEnd> {
+        let mut others = self.across(slot);
+        match (others.next(), others.next()) {
+            (Some(other), None) => Ok(other),
+            (None, _) => Err(TraceEnd::Boundary),
+            (Some(_), Some(_)) => Err(TraceEnd::NonManifold),
+        }
+    }
+
+    /// Returns the direction that has half of the angle around a vertex, inside the surface, on
+    /// either side of the direction at this `angle` from the slot `edge` at the vertex, into its
+    /// face: as a slot and an angle likewise.
+    pub fn opposite(&self, vertex: u32, edge: u32, angle: f64) -> (u32, f64) {
+        let angles = self.slots_at(vertex).iter().map(|&corner| self.corner(corner));
+        let half = 0.5 * angles.sum::<f64>();
+        let (mut edge, mut turned) = (edge, -angle);
+        loop {
+            let corner = self.corner_of(vertex, edge);
+            let size = self.corner(corner);
+            let other = self.across(self.other_edge(corner, edge)).next();
+            match other {
+                Some(other) if turned + size < half => {
+                    edge = other;
+                    turned += size;
+                }
+                _ => return (edge, (half - turned).clamp(0.0, size)),
+            }
+        }
+    }
+
     /// Returns the angle of the face at the vertex where a slot starts.
     pub fn corner(&self, slot: u32) -> f64 {
         let [x, y] = self.unfolded(slot).apex;
@@ -186,7 +250,7 @@ impl<'m> Glued<'m> {
     }
 
     /// Returns the slot that starts at `vertex` in the face of `edge`, an edge at the vertex.
-    fn corner_of(&self, vertex: u32, edge: u32) -> u32 {
+    pub fn corner_of(&self, vertex: u32, edge: u32) -> u32 {
         if self.tail(edge) == vertex { edge } else { next(edge) }
     }
 

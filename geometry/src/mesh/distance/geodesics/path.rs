@@ -1,5 +1,5 @@
 use super::glued::Glued;
-use super::windows::{Arrival, Windows};
+use super::windows::{Arrival, Windows, crossing};
 use crate::mesh::slots::{next, previous};
 use crate::mesh::{SurfacePoint, TriMesh};
 
@@ -24,27 +24,43 @@ impl GeodesicPath {
     }
 }
 
-/// Returns the shortest path to a vertex that the windows, all of which are kept, have reached.
+/// Returns the shortest path to a node that the windows, all of which are kept, have reached.
 pub(super) fn path(glued: &Glued<'_>, windows: &Windows<'_, '_>, target: u32) -> GeodesicPath {
     let length = windows.distance(target);
     let mut points = Vec::new();
-    let mut vertex = target;
+    let mut node = target;
     loop {
-        match windows.arrival(vertex) {
+        let own = windows.place(node);
+        let at = |otherwise: SurfacePoint| own.map_or(otherwise, |place| place.point);
+        match windows.arrival(node) {
             Arrival::Unreached => return GeodesicPath { points, length },
             Arrival::Source => {
-                let corner = glued.slots_at(vertex).first();
-                points.extend(corner.map(|&corner| on_edge(corner, 0.0)));
+                match own {
+                    Some(place) => points.push(place.point),
+                    None => {
+                        let corner = glued.slots_at(node).first();
+                        points.extend(corner.map(|&corner| SurfacePoint::on_edge(corner, 0.0)));
+                    }
+                }
                 break;
             }
             Arrival::Edge { slot, from } => {
-                let share = if glued.tail(slot) == vertex { 0.0 } else { 1.0 };
-                points.push(on_edge(slot, share));
-                vertex = from;
+                let share = if glued.tail(slot) == node { 0.0 } else { 1.0 };
+                points.push(SurfacePoint::on_edge(slot, share));
+                node = from;
+            }
+            Arrival::Direct { slot, from, .. } => {
+                points.push(at(SurfacePoint::on_edge(slot, 0.0)));
+                node = from;
             }
             Arrival::Face { slot, number, .. } => {
-                points.push(on_edge(previous(slot), 0.0));
-                vertex = back(glued, windows, number, &mut points);
+                points.push(at(SurfacePoint::on_edge(previous(slot), 0.0)));
+                let inside = own.and_then(|place| place.within(slot / 3));
+                let end = match inside {
+                    Some(point) => glued.local(slot, point.weights),
+                    None => glued.unfolded(slot).apex,
+                };
+                node = back(glued, windows, number, end, &mut points);
             }
         }
     }
@@ -55,20 +71,19 @@ pub(super) fn path(glued: &Glued<'_>, windows: &Windows<'_, '_>, target: u32) ->
     GeodesicPath { points, length }
 }
 
-/// Adds the crossings of edges of the straight path from the third corner of the face of a window
-/// back to the vertex where the window starts, and returns that vertex.
+/// Adds the crossings of edges of the straight path from `end`, in the face of a window unfolded
+/// along its edge, back to the node where the window starts, and returns that node.
 fn back(
     glued: &Glued<'_>,
     windows: &Windows<'_, '_>,
     number: usize,
+    mut end: [f64; 2],
     points: &mut Vec<SurfacePoint>,
 ) -> u32 {
     let mut window = windows.window(number);
-    let mut end = glued.unfolded(window.slot).apex;
     loop {
         let ([p, q], [x, y]) = (window.ends, window.source);
-        let crossing = x + (end[0] - x) * (y / (y + end[1]));
-        let crossing = crossing.clamp(p, q);
+        let crossing = crossing([x, y], end).clamp(p, q);
         let length = glued.length(window.slot);
         let near = NEAR * (length + x.abs() + y);
         let share = match crossing {
@@ -76,7 +91,7 @@ fn back(
             crossing if crossing >= length - near => 1.0,
             crossing => crossing / length,
         };
-        points.push(on_edge(window.slot, share));
+        points.push(SurfacePoint::on_edge(window.slot, share));
         let Some(before) = window.before else {
             return window.origin;
         };
@@ -86,12 +101,4 @@ fn back(
         let [a, b] = ends.map(|vertex| glued.place(window.slot, vertex));
         end = [0, 1].map(|k| (1.0 - share) * a[k] + share * b[k]);
     }
-}
-
-/// Returns the point of an edge at this share from the start of its slot to the end.
-fn on_edge(slot: u32, share: f64) -> SurfacePoint {
-    let mut weights = [0.0; 3];
-    weights[slot as usize % 3] = 1.0 - share;
-    weights[next(slot) as usize % 3] = share;
-    SurfacePoint { face: slot / 3, weights }
 }

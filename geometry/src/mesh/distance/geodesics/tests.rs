@@ -6,8 +6,12 @@ use crate::mesh::vector::distance;
 use crate::mesh::{Dijkstra, Edges, Graph, SearchLimits, families, shapes};
 use catamaran::base::Rng;
 
+fn sites(vertices: &[u32]) -> Vec<Site> {
+    vertices.iter().copied().map(Site::Vertex).collect()
+}
+
 fn geodesics(mesh: &TriMesh, sources: &[u32]) -> Vec<f64> {
-    Geodesics::new(mesh).unwrap().distances(sources).unwrap()
+    Geodesics::new(mesh).unwrap().distances(&sites(sources)).unwrap()
 }
 
 /// Checks distances from a source to 1e-11 of the largest.
@@ -23,7 +27,7 @@ fn check(name: &str, mesh: &TriMesh, source: u32, exact: impl Fn(usize) -> f64) 
     }
 }
 
-fn moved(mesh: &TriMesh, mut to: impl FnMut([f64; 3]) -> [f64; 3]) -> TriMesh {
+pub(super) fn moved(mesh: &TriMesh, mut to: impl FnMut([f64; 3]) -> [f64; 3]) -> TriMesh {
     let vertices = mesh.vertices().iter().map(|&p| to(p)).collect();
     TriMesh::new(vertices, mesh.faces().to_vec()).unwrap()
 }
@@ -72,7 +76,7 @@ fn exact_distances_on_a_cylinder_are_those_of_the_unrolled_plane() {
 
 /// Returns a cone of equal sectors with its tip at vertex 0 and then `rings` rings, and the angle
 /// of a sector at the tip; every other ray rises by `up`, and the others by `down`, for each ring.
-fn cone(sectors: usize, rings: usize, up: f64, down: f64) -> (TriMesh, f64) {
+pub(super) fn cone(sectors: usize, rings: usize, up: f64, down: f64) -> (TriMesh, f64) {
     let ray = |i: usize| {
         let angle = TAU * i as f64 / sectors as f64;
         [angle.cos(), angle.sin(), if i.is_multiple_of(2) { up } else { down }]
@@ -132,7 +136,7 @@ fn exact_distances_on_cones_are_those_of_the_unrolled_plane_or_lead_over_the_tip
     }
 }
 
-fn cube() -> TriMesh {
+pub(super) fn cube() -> TriMesh {
     let corner = |i: u32| [i & 1, i >> 1 & 1, i >> 2 & 1].map(f64::from);
     let faces = [
         [0, 2, 1],
@@ -370,12 +374,16 @@ fn exact_distances_are_infinite_where_no_source_is_and_wrong_input_is_named() {
     assert!(geodesics(&mesh, &[]).iter().all(|&d| d == f64::INFINITY));
     assert_eq!(geodesics(&mesh, &[n as u32 - 1])[n - 1], 0.0);
     let solver = Geodesics::new(&mesh).unwrap();
-    let refused = solver.distances(&[n as u32]);
+    let beyond = Site::Vertex(n as u32);
+    let refused = solver.distances(&[beyond]);
     assert!(matches!(refused, Err(Error::Argument { what: "sources", .. })));
-    let refused = solver.path(&[0], n as u32);
-    assert!(matches!(refused, Err(Error::Argument { what: "targets", .. })));
-    assert!(solver.path_through(&[0], &[]).is_err());
-    let none = solver.path_through(&[0], &[1, n as u32 - 1, 2]).unwrap();
+    let refused = solver.path(&[Site::Vertex(0)], beyond);
+    assert!(matches!(refused, Err(Error::Argument { what: "end", .. })));
+    for through in [vec![], sites(&[0]), vec![beyond, Site::Vertex(0)]] {
+        let refused = solver.path_through(&through);
+        assert!(matches!(refused, Err(Error::Argument { what: "through", .. })));
+    }
+    let none = solver.path_through(&sites(&[0, 1, n as u32 - 1, 2])).unwrap();
     assert!(none.points.is_empty() && none.length == f64::INFINITY);
     // An edge without length.
     let [a, b, _] = faces[0];
@@ -383,6 +391,23 @@ fn exact_distances_are_infinite_where_no_source_is_and_wrong_input_is_named() {
     let mesh = TriMesh::new(vertices, faces).unwrap();
     let error = Geodesics::new(&mesh).unwrap_err().to_string();
     assert!(error.contains("edge") && error.contains("too short"), "{error}");
+}
+
+/// Checks that both ends of each part of a path are in a common face, and that the lengths of the
+/// parts add up.
+pub(super) fn check_parts(mesh: &TriMesh, path: &GeodesicPath) {
+    let points = path.positions(mesh);
+    let length: f64 = points.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
+    assert!((length - path.length).abs() < 1e-9, "{length} and {}", path.length);
+    for pair in path.points.windows(2) {
+        let support = |i: usize| {
+            let face = mesh.faces()[pair[i].face as usize];
+            (0..3).filter(move |&k| pair[i].weights[k] > 0.0).map(move |k| face[k])
+        };
+        let both: Vec<u32> = support(0).chain(support(1)).collect();
+        let has_both = |face: &[u32; 3]| both.iter().all(|v| face.contains(v));
+        assert!(mesh.faces().iter().any(has_both), "{pair:?}");
+    }
 }
 
 #[test]
@@ -393,26 +418,15 @@ fn the_parts_of_exact_paths_are_as_long_as_the_distance() {
         let n = mesh.vertices().len() as u32;
         let solver = Geodesics::new(&mesh).unwrap();
         let sources = [n / 2, 1];
-        let found = solver.distances(&sources).unwrap();
+        let found = solver.distances(&sites(&sources)).unwrap();
         for to in (0..n).step_by(1 + n as usize / 40) {
-            let path = solver.path(&sources, to).unwrap();
+            let path = solver.path(&sites(&sources), Site::Vertex(to)).unwrap();
             assert!((path.length - found[to as usize]).abs() < 1e-12);
             let points = path.positions(&mesh);
             let start = points[0];
             assert!(sources.iter().any(|&v| mesh.vertices()[v as usize] == start));
             assert_eq!(points.last(), Some(&mesh.vertices()[to as usize]));
-            let length: f64 = points.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
-            assert!((length - path.length).abs() < 1e-9, "to {to}: {length} and {}", path.length);
-            // Both ends of each part are in a common face.
-            for pair in path.points.windows(2) {
-                let support = |i: usize| {
-                    let face = mesh.faces()[pair[i].face as usize];
-                    (0..3).filter(move |&k| pair[i].weights[k] > 0.0).map(move |k| face[k])
-                };
-                let both: Vec<u32> = support(0).chain(support(1)).collect();
-                let has_both = |face: &[u32; 3]| both.iter().all(|v| face.contains(v));
-                assert!(mesh.faces().iter().any(has_both), "to {to}: {pair:?}");
-            }
+            check_parts(&mesh, &path);
         }
     }
 }
@@ -421,7 +435,7 @@ fn the_parts_of_exact_paths_are_as_long_as_the_distance() {
 fn an_exact_path_through_vertices_is_the_paths_one_after_the_other() {
     let mesh = shapes::grid(6, 6);
     let solver = Geodesics::new(&mesh).unwrap();
-    let path = solver.path_through(&[0], &[15, 40, 40, 6]).unwrap();
+    let path = solver.path_through(&sites(&[0, 15, 40, 40, 6])).unwrap();
     let p = mesh.vertices();
     let length = distance(p[0], p[15]) + distance(p[15], p[40]) + distance(p[40], p[6]);
     assert!((path.length - length).abs() < 1e-12);

@@ -2,8 +2,10 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use super::glued::{Glued, Unfolded};
+use super::places::{Place, Spot};
+use crate::mesh::SurfacePoint;
 use crate::mesh::slots::{next, previous};
-use catamaran::base::{Error, Result, repeated, spend};
+use catamaran::base::{Result, repeated, spend};
 
 /// Rounding errors of places and lengths, relative to the distance from the source of a window.
 const ROUNDING: f64 = 1e-12;
@@ -11,18 +13,19 @@ const ROUNDING: f64 = 1e-12;
 /// Operations that a step of the propagation is equal to.
 const STEP: f64 = 300.0;
 
-/// The straight paths from one vertex through one sequence of faces, as far as the edge of a slot,
+/// The straight paths from one node through one sequence of faces, as far as the edge of a slot,
 /// into whose face they go on. The faces are unfolded into the plane of [`Unfolded`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Window {
     pub slot: u32,
     /// The part of the edge that the paths cross: places along it.
     pub ends: [f64; 2],
-    /// Where the paths start, at `(x, -y)`, with y > 0.
+    /// Where the paths start, at `(x, -y)`. y is positive, or 0 for a start on the edge itself,
+    /// with a face without area between.
     pub source: [f64; 2],
-    /// The vertex at which the paths start.
+    /// The node at which the paths start.
     pub origin: u32,
-    /// The distance of that vertex from the sources.
+    /// The distance of that node from the sources.
     pub distance: f64,
     /// The window before, through whose face the paths came; `None` for the first face.
     pub before: Option<usize>,
@@ -36,17 +39,27 @@ impl Window {
     }
 }
 
-/// How the shortest path known reaches a vertex.
+/// Returns the place on an edge where the straight line from the source of a window crosses it to
+/// `end`, in the face of the window.
+pub(super) fn crossing([x, y]: [f64; 2], end: [f64; 2]) -> f64 {
+    // From a source on the edge no line crosses it elsewhere, also not along the edge.
+    if y > 0.0 { x + (end[0] - x) * (y / (y + end[1])) } else { x }
+}
+
+/// How the shortest path known reaches a node.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Arrival {
     /// None is known.
     Unreached,
-    /// The vertex is a source.
+    /// The node is a source.
     Source,
     /// Along the edge of `slot` from the vertex `from`.
     Edge { slot: u32, from: u32 },
-    /// Over the face of `slot`, whose third corner it is, from the `source` of the window of this
-    /// number.
+    /// Straight from the node `from`, over the face of `slot`. A vertex is where the slot starts,
+    /// and sees `from` at this angle from the edge of the slot.
+    Direct { slot: u32, angle: f64, from: u32 },
+    /// Over the face of `slot` from the `source` of the window of this number; a vertex is the
+    /// third corner of the face.
     Face { slot: u32, source: [f64; 2], number: usize },
 }
 
@@ -59,7 +72,7 @@ struct Label {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Event {
-    Vertex(u32),
+    Node(u32),
     Window(usize),
 }
 
@@ -68,9 +81,15 @@ enum Event {
 /// Windows are those of Mitchell, Mount and Papadimitriou (1987). Of several windows that reach the
 /// third corner of a face through the same edge, only the nearest splits there (Chen and Han 1990),
 /// and windows that are farther than known paths over a corner are dropped (Xin and Wang 2009).
+///
+/// Nodes are the vertices, by their numbers, and after them the sources and the target that are not
+/// at vertices.
 #[derive(Debug)]
 pub(super) struct Windows<'g, 'm> {
     glued: &'g Glued<'m>,
+    /// The nodes after the vertices.
+    places: Vec<Place>,
+    target: Option<u32>,
     labels: Vec<Label>,
     /// For each slot the nearest window that reaches the third corner of the face: the distance,
     /// and where its path crosses the edge.
@@ -89,40 +108,68 @@ impl<'g, 'm> Windows<'g, 'm> {
     /// windows are kept.
     ///
     /// # Errors
-    /// [`Error::Argument`] names a source out of range; [`Error::OutOfMemory`];
-    /// [`Error::Cancelled`].
-    pub fn propagate(glued: &'g Glued<'m>, sources: &[u32], target: Option<u32>) -> Result<Self> {
-        let n = glued.mesh().vertices().len();
+    /// [`Error::OutOfMemory`](catamaran::Error::OutOfMemory) and
+    /// [`Error::Cancelled`](catamaran::Error::Cancelled).
+    pub fn propagate(
+        glued: &'g Glued<'m>,
+        sources: &[Spot],
+        target: Option<&Spot>,
+    ) -> Result<Self> {
+        let vertices = glued.mesh().vertices().len();
+        let mut places: Vec<Place> = Vec::new();
+        let mut node = |spot: &Spot| match spot {
+            Spot::Vertex(v) => *v,
+            Spot::Place(place) => {
+                places.push(place.clone());
+                (vertices + places.len() - 1) as u32
+            }
+        };
+        let starts: Vec<u32> = sources.iter().map(&mut node).collect();
+        let target = target.map(node);
         let unreached =
             Label { distance: f64::INFINITY, arrival: Arrival::Unreached, settled: false };
         let mut all = Self {
             glued,
-            labels: repeated(unreached, n)?,
+            labels: repeated(unreached, vertices + places.len())?,
+            places,
+            target,
             nearest: repeated((f64::INFINITY, 0.0), 3 * glued.mesh().faces().len())?,
             windows: Vec::new(),
             free: Vec::new(),
             keep: target.is_some(),
             queue: BinaryHeap::new(),
         };
-        for &v in sources {
-            if v as usize >= n {
-                let why = format!("vertex {v} is out of range: {n} vertices, numbered from 0");
-                return Err(Error::Argument { what: "sources", why });
-            }
-            all.offer(v, 0.0, Arrival::Source);
+        for start in starts {
+            all.offer(start, 0.0, Arrival::Source);
         }
-        all.run(target)?;
+        all.run()?;
         Ok(all)
     }
 
-    /// Returns the distance of a vertex, infinite if no path leads there.
-    pub fn distance(&self, vertex: u32) -> f64 {
-        self.labels[vertex as usize].distance
+    /// Returns the node of the target.
+    pub fn target(&self) -> Option<u32> {
+        self.target
     }
 
-    /// Returns how the shortest path reaches a vertex.
-    pub fn arrival(&self, vertex: u32) -> Arrival {
-        self.labels[vertex as usize].arrival
+    /// Returns the distance of a node, infinite if no path leads there.
+    pub fn distance(&self, node: u32) -> f64 {
+        self.labels[node as usize].distance
+    }
+
+    /// Returns how the shortest path reaches a node.
+    pub fn arrival(&self, node: u32) -> Arrival {
+        self.labels[node as usize].arrival
+    }
+
+    /// Returns the place of a node, `None` for a vertex.
+    pub fn place(&self, node: u32) -> Option<&Place> {
+        (node as usize).checked_sub(self.glued.mesh().vertices().len()).map(|i| &self.places[i])
+    }
+
+    /// Returns the target and its point in this face, if it is not a vertex, and the face has it.
+    fn target_in(&self, face: u32) -> Option<(u32, SurfacePoint)> {
+        let target = self.target?;
+        Some((target, self.place(target)?.within(face)?))
     }
 
     /// Returns a window by its number.
@@ -130,17 +177,17 @@ impl<'g, 'm> Windows<'g, 'm> {
         &self.windows[number]
     }
 
-    fn run(&mut self, target: Option<u32>) -> Result<()> {
+    fn run(&mut self) -> Result<()> {
         while let Some(Reverse((_, event))) = self.queue.pop() {
             spend(STEP)?;
             match event {
-                Event::Vertex(v) => {
+                Event::Node(v) => {
                     let label = &mut self.labels[v as usize];
                     if label.settled {
                         continue;
                     }
                     label.settled = true;
-                    if target == Some(v) {
+                    if self.target == Some(v) {
                         return Ok(());
                     }
                     self.leave(v);
@@ -151,17 +198,52 @@ impl<'g, 'm> Windows<'g, 'm> {
         Ok(())
     }
 
-    fn offer(&mut self, vertex: u32, distance: f64, arrival: Arrival) {
-        let label = &mut self.labels[vertex as usize];
+    fn offer(&mut self, node: u32, distance: f64, arrival: Arrival) {
+        let label = &mut self.labels[node as usize];
         if !label.settled && distance < label.distance {
             (label.distance, label.arrival) = (distance, arrival);
-            self.queue.push(Reverse((distance.to_bits(), Event::Vertex(vertex))));
+            self.queue.push(Reverse((distance.to_bits(), Event::Node(node))));
+        }
+    }
+
+    /// Leads paths on from a node.
+    fn leave(&mut self, node: u32) {
+        match self.place(node).cloned() {
+            Some(place) => self.set_out(node, &place),
+            None => self.leave_vertex(node),
+        }
+    }
+
+    /// Leads paths from a source that is not at a vertex over its faces.
+    fn set_out(&mut self, node: u32, place: &Place) {
+        let glued = self.glued;
+        let distance = self.distance(node);
+        for point in &place.faces {
+            for slot in [0, 1, 2].map(|corner| 3 * point.face + corner) {
+                let [x, y] = glued.local(slot, point.weights);
+                let arrival = Arrival::Direct { slot, angle: y.atan2(x), from: node };
+                self.offer(glued.tail(slot), distance + x.hypot(y), arrival);
+                let length = glued.length(slot);
+                if y > 0.0 || (glued.is_flat(slot) && x > 0.0 && x < length) {
+                    let (ends, source) = ([0.0, length], [x, y]);
+                    let window =
+                        Window { slot, ends, source, origin: node, distance, before: None };
+                    self.add(glued.tail(slot), length, window);
+                }
+            }
+            if let Some((target, other)) = self.target_in(point.face) {
+                let slot = 3 * point.face;
+                let [from, to] = [*point, other].map(|point| glued.local(slot, point.weights));
+                let apart = (to[0] - from[0]).hypot(to[1] - from[1]);
+                let arrival = Arrival::Direct { slot, angle: 0.0, from: node };
+                self.offer(target, distance + apart, arrival);
+            }
         }
     }
 
     /// Leads paths on from a vertex: along its edges, and into the faces where a shortest path can
     /// have a corner at the vertex.
-    fn leave(&mut self, v: u32) {
+    fn leave_vertex(&mut self, v: u32) {
         let glued = self.glued;
         let Label { distance, arrival, .. } = self.labels[v as usize];
         for &corner in glued.slots_at(v) {
@@ -171,12 +253,20 @@ impl<'g, 'm> Windows<'g, 'm> {
                 let arrival = Arrival::Edge { slot, from: v };
                 self.offer(other, distance + glued.length(slot), arrival);
             }
+            if let Some((target, point)) = self.target_in(corner / 3) {
+                let [x, y] = glued.local(corner, point.weights);
+                let arrival = Arrival::Direct { slot: corner, angle: y.atan2(x), from: v };
+                self.offer(target, distance + x.hypot(y), arrival);
+            }
         }
         match arrival {
             Arrival::Unreached => {}
             Arrival::Source => glued.slots_at(v).iter().for_each(|&corner| self.enter(corner)),
             Arrival::Edge { slot, .. } => {
                 glued.beyond(v, slot, 0.0, &mut |corner| self.enter(corner));
+            }
+            Arrival::Direct { slot, angle, .. } => {
+                glued.beyond(v, slot, angle, &mut |corner| self.enter(corner));
             }
             Arrival::Face { slot, source: [x, y], .. } => {
                 // The angle at the third corner from the first one to the source.
@@ -195,8 +285,8 @@ impl<'g, 'm> Windows<'g, 'm> {
         let glued = self.glued;
         let (slot, origin) = (next(corner), glued.tail(corner));
         let Unfolded { length, apex } = glued.unfolded(slot);
-        // Over a face without area, paths run along edges.
-        if apex[1] > 0.0 {
+        // Over a face without area, paths run along edges, unless the vertex is on the other edge.
+        if apex[1] > 0.0 || (apex[0] > 0.0 && apex[0] < length) {
             let distance = self.distance(origin);
             let ends = [0.0, length];
             let window = Window { slot, ends, source: apex, origin, distance, before: None };
@@ -238,7 +328,7 @@ impl<'g, 'm> Windows<'g, 'm> {
         let third = glued.tail(previous(window.slot));
         // Where the path to the third corner crosses the edge. A path at either end of the window
         // counts as one of both neighbours, so that rounding leaves no gap.
-        let crossing = x + (cx - x) * (y / (y + cy));
+        let crossing = crossing([x, y], [cx, cy]);
         let slack = ROUNDING * (face.length + x.abs() + y);
         let (mut left, mut right) = (p < crossing - slack, crossing + slack < q);
         let reaches = p - slack <= crossing && crossing <= q + slack;
@@ -258,6 +348,15 @@ impl<'g, 'm> Windows<'g, 'm> {
             self.offer(third, distance, Arrival::Face { slot, source, number });
         }
         let on = Window { before: Some(number), ..window };
+        if let Some((target, point)) = self.target_in(window.slot / 3) {
+            let [tx, ty] = glued.local(window.slot, point.weights);
+            let at = self::crossing([x, y], [tx, ty]);
+            if p - slack <= at && at <= q + slack {
+                let Window { slot, source, .. } = window;
+                let distance = window.distance + (tx - x).hypot(ty + y);
+                self.offer(target, distance, Arrival::Face { slot, source, number });
+            }
+        }
         if left {
             let on = Window { slot: previous(window.slot), ..on };
             self.pass(on, [first, second, third], face, reaches);
