@@ -329,7 +329,7 @@ impl Work<'_> {
         let options = options.clone().par(Par::Threads(most));
         let height = args.block_rows.map(NonZeroUsize::get);
         let plan = StreamPlan::new::<T>(m, n, self.weights.is_some(), height, memory, &options);
-        let plan = plan.with_context(|| format!("{} and --block-rows", self.limits()));
+        let plan = plan.with_context(|| format!("{}, in blocks of --block-rows", self.limits()));
         let plan = ranks.meet(plan)?;
         let strips = plan.strips().iter();
         let hash = strips.fold(0, |hash: usize, strip| hash.wrapping_mul(31) ^ strip.end);

@@ -128,7 +128,7 @@ fn c_larger_than_memory_is_computed_in_strips() {
     let message = folder.fail("ata a.npy --memory 0.0001 -o d.npy");
     assert!(message.contains("memory: ") && message.contains("a row of C need"), "{message}");
     assert!(message.contains("blocks of fewer rows need less"), "{message}");
-    assert!(message.contains("(--memory) and --block-rows"), "{message}");
+    assert!(message.contains("(--memory), in blocks of --block-rows: "), "{message}");
 }
 
 #[test]
