@@ -14,6 +14,7 @@ use crate::common::Force;
 use crate::parse;
 use crate::progress::Bar;
 use crate::report::{note, status};
+use crate::rows::ROWS;
 
 /// Compute C = A^T A from the sums of parts of the rows (`ata --accumulator`).
 ///
@@ -64,9 +65,20 @@ fn merge<T: BlasReal>(args: &Args) -> Result<()> {
     let (output, kept) = (create(&args.output)?, create(&args.accumulator)?);
     let bar = Bar::new("merging");
     let mut sum: Option<Accumulator<T>> = None;
+    let mut seen: Vec<(&PathBuf, Vec<(String, String)>)> = Vec::new();
     for (i, path) in args.inputs.iter().enumerate() {
         bar.step(i as f64 / args.inputs.len() as f64)?;
         let next = read(path)?;
+        let labels = next.labels().to_vec();
+        // Merged sums keep only the labels that their parts share: those of A, if it is one file.
+        let same = seen
+            .iter()
+            .find(|(other, seen)| *other == path || has_rows(&labels) && *seen == labels);
+        if let Some((other, _)) = same {
+            let (name, other) = (path.display(), other.display());
+            note(format_args!("{name}: sums of the rows in {other}, which count twice"));
+        }
+        seen.push((path, labels));
         match &mut sum {
             None => sum = Some(next),
             Some(sum) => sum.merge(next).with_context(|| path.display().to_string())?,
@@ -112,6 +124,15 @@ fn merge<T: BlasReal>(args: &Args) -> Result<()> {
         note(format_args!("{}", unbounded.text()));
     }
     write_matrix(output, c.as_ref())
+}
+
+/// Returns whether labels say which rows of a file the sums are of, as those of `ata` do but for
+/// the standard input.
+fn has_rows(labels: &[(String, String)]) -> bool {
+    let has = |wanted: &str| {
+        labels.iter().any(|(name, value)| name == wanted && !value.starts_with("/dev/stdin, "))
+    };
+    has("A") && has(ROWS)
 }
 
 /// Reads the sums in a file, and refuses sums that are not complete.

@@ -19,7 +19,7 @@ use crate::claims::{Purpose, claim};
 use crate::common::Force;
 use crate::gram::{SHOWN, Table, survey};
 use crate::progress::Bar;
-use crate::report::{head, row, shown, status};
+use crate::report::{head, note, row, shown, status};
 use crate::rows::{Source, open};
 use crate::tables::{MatrixFile, TableArgs};
 use crate::{output, parse};
@@ -31,7 +31,8 @@ const ROWS: usize = 4096;
 ///
 /// The columns of the table are found by the names that the model has for them: those in the header
 /// of a text table, or numbers counted from 0 where there is no header. Other columns are not used.
-/// A level of a factor that the model does not have is an error. With `--missing nan` a row with a
+/// A level of a factor that the model does not have is an error. If columns of the model depended
+/// on others, a note names them. With `--missing nan` a row with a
 /// missing value has no prediction (NaN).
 #[derive(clap::Args)]
 pub struct Args {
@@ -77,6 +78,12 @@ enum Of {
 #[derive(Debug, Deserialize)]
 struct Model {
     terms: Vec<Term>,
+    /// The names of the columns of all terms.
+    #[serde(default)]
+    columns: Vec<String>,
+    /// Those that depended on others when the model was fitted.
+    #[serde(default)]
+    dependent: Vec<usize>,
     targets: Vec<Target>,
     degrees_of_freedom: u64,
     root: Option<Vec<Vec<f64>>>,
@@ -107,6 +114,7 @@ pub fn run(args: &Args) -> Result<()> {
         None => None,
     };
     let model = Model::read(&args.model)?;
+    model.note_dependent(&args.model);
     let missing = args.reading.missing();
     let needed = model.needs(args.reading.read_all_rows());
     let table = Table::of(open("table", &args.table, &needed)?);
@@ -167,6 +175,25 @@ impl Model {
         let text = fs::read_to_string(path).with_context(name)?;
         serde_json::from_str(&text)
             .with_context(|| format!("{}: not a model that `lstsq -o FIT.json` wrote", name()))
+    }
+
+    /// Notes columns that depended on others: of all coefficients that fit the data equally well,
+    /// the model has those of least norm, and in other rows they predict something else.
+    fn note_dependent(&self, path: &Path) {
+        let names: Vec<&str> = self
+            .dependent
+            .iter()
+            .map(|&column| self.columns.get(column).map_or("?", String::as_str))
+            .collect();
+        let (s, verb) = if names.len() == 1 { ("", "s") } else { ("s", "") };
+        if !names.is_empty() {
+            note(format_args!(
+                "{}: column{s} {} depend{verb} on others in the rows of the fit: predictions of \
+                 rows where this is not so are arbitrary",
+                path.display(),
+                names.join(", ")
+            ));
+        }
     }
 
     /// Returns the options that read the columns of the model, in its order.

@@ -308,6 +308,11 @@ fn assemble(args: &Args) -> Result<(TriMesh, Laplacian)> {
         "{entries} entries, in {}",
         seconds(time)
     )?;
+    if args.k > rows {
+        let default = EigenOptions::default().k;
+        let default = if args.k == default { " (the default)" } else { "" };
+        bail!("{name}: -k {}{default}, where {rows} vertices are free", args.k);
+    }
     if args.shift.is_none() && !is_cloud {
         let repair = &args.laplacian.repair;
         Pieces::new(&file.mesh, &args.input, repair, &options.boundary)?.note();

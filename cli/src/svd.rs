@@ -11,7 +11,7 @@ use catamaran::solve::{Orthogonality, SingularValues, orthogonality};
 use crate::gram::{GramArgs, Pass, SHOWN, Table, second_pass};
 use crate::output;
 use crate::ranks::Ranks;
-use crate::report::{head, report, row, shown, status};
+use crate::report::{head, note, report, row, shown, status};
 
 /// Compute the singular values and vectors of a tall matrix in a file.
 ///
@@ -28,7 +28,8 @@ pub struct Args {
     output: Option<PathBuf>,
     /// Also write `u` (m x rank), A v / sigma, by one more pass over the rows. Columns of small
     /// singular values are less accurate: the error of a column is about 2^-53 times the largest
-    /// singular value over that of the column.
+    /// singular value over that of the column, and a note says how many have fewer than three
+    /// digits.
     #[arg(long, requires = "output")]
     left: bool,
     /// Print how far the columns are from orthonormal: the largest entry of A^T A - I by size, and
@@ -75,6 +76,7 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
         if args.left {
             let left = |rows: MatRef<'_, f64>| left_vectors(rows, &found);
             second_pass(&table, &mut writer, "u", found.rank(), left)?;
+            note_inaccurate(&name(), &found);
         }
         writer.finish()?;
         status!("written", path = path; "{path}")?;
@@ -98,6 +100,20 @@ fn report_values(found: &SingularValues) -> Result<()> {
         head(format_args!("          ... and {} more", n - SHOWN))?;
     }
     Ok(())
+}
+
+/// Notes columns of U whose error, as `--left` describes it, leaves fewer than three digits.
+fn note_inaccurate(file: &str, found: &SingularValues) {
+    const LARGEST: f64 = 1e-3;
+    let (rank, first) = (found.rank(), found.values.first().copied().unwrap_or(0.0));
+    let least = f64::EPSILON / 2.0 * first / LARGEST;
+    let count = found.values[..rank].iter().filter(|value| **value < least).count();
+    if count > 0 {
+        note(format_args!(
+            "{file}: the last {count} of {rank} columns of u have fewer than three correct digits: \
+             their singular values are below {least:.1e}"
+        ));
+    }
 }
 
 /// Returns rows of U.

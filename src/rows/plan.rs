@@ -153,8 +153,9 @@ impl StreamPlan {
             }
             if fits == start {
                 let least = needs.bytes::<T>(&(start..start + 1))?;
+                let hint = if height > 1 { ": blocks of fewer rows need less" } else { "" };
                 let why = format!(
-                    "{memory} bytes, but blocks of {height} rows and a row of C need {least}"
+                    "{memory} bytes, but blocks of {height} rows and a row of C need {least}{hint}"
                 );
                 return Err(Error::Argument { what: "memory", why });
             }

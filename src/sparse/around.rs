@@ -170,6 +170,43 @@ mod tests {
     }
 
     #[test]
+    fn a_cluster_beyond_the_pairs_that_are_wanted_need_not_converge() {
+        // 0, which is the shift, 0.999, and 300 from -0.99901 to -0.99904: from a sigma below 0
+        // they are as near as 0.999.
+        let n = 302;
+        let cluster = (0..300).map(|i| -0.99901 - 1e-7 * f64::from(i));
+        let entries = [0.0, 0.999].into_iter().chain(cluster).collect();
+        let w = CsMat::new((n, n), (0..=n).collect(), (0..n).collect(), entries);
+        let mass = Mass::identity(n);
+        let pencil = WholePencil { stiffness: w.view(), mass: &mass };
+        let problem = Problem::whole(&pencil).unwrap();
+        // The nearest ones, ascending; those of the cluster are found where they are wanted.
+        let all = [-0.9990102, -0.9990101, -0.99901, 0.0, 0.999];
+        for (k, expected) in [(2, &all[3..]), (3, &all[2..]), (5, &all[..])] {
+            let options = EigenOptions::new().k(k).shift(0.0).par(Par::Seq);
+            let values = around(&problem, 0.0, &options).unwrap().values;
+            assert_eq!(values.len(), k);
+            let is_close = |(x, y): (&f64, &f64)| (x - y).abs() < 1e-9;
+            assert!(values.iter().zip(expected).all(is_close), "{k}: {values:?}");
+        }
+    }
+
+    #[test]
+    fn a_long_path_has_the_pair_nearest_to_its_least_eigenvalue() {
+        let n = 100_000;
+        let (w, mass) = (path(n), Mass::identity(n));
+        let pencil = WholePencil { stiffness: w.view(), mass: &mass };
+        let problem = Problem::whole(&pencil).unwrap();
+        let options = EigenOptions::new().k(1).shift(0.0).par(Par::Seq);
+        let pairs = around(&problem, 0.0, &options).unwrap();
+        // The next one is 1e-9.
+        assert!(pairs.values[0].abs() < 1e-12, "{:?}", pairs.values);
+        let root = (n as f64).sqrt().recip();
+        let turned = pairs.vectors[(0, 0)].signum();
+        assert!((0..n).all(|i| (turned * pairs.vectors[(i, 0)] - root).abs() < 1e-4 * root));
+    }
+
+    #[test]
     fn the_eigenvalues_beside_a_shift_are_beyond_those_at_the_shift() {
         let nearby = |zeros: usize| {
             let from_shift = (0..16).map(|i| if i < zeros { 1e-14 } else { i as f64 }).collect();

@@ -25,7 +25,8 @@ use crate::dense::filled;
 /// Lewis and Simon 1994) on a sparse Cholesky factorization of `W - sigma M`. Without a shift,
 /// `sigma = -s`, where n s is the median of `W_ii / M_ii`: for a surface of area A of equilateral
 /// triangles `s = 2 sqrt(3) / A`, the size of its first eigenvalues. With a shift, sigma is the
-/// shift, or a number beside it if the shift is an eigenvalue or near one. Null vectors that are
+/// shift, or a number beside it if the shift is an eigenvalue or near one, or `-s` if the shift and
+/// -s are below all eigenvalues. Null vectors that are
 /// constant on components of the graph of W are not iterated, however many there are
 /// ([`free_components`](super::free_components) counts them): their eigenvalues are 0. Other
 /// eigenvalues of more than 8 dimensions are complete only under [`EigenOptions::verify_count`].
@@ -122,11 +123,24 @@ pub(crate) fn one_window(problem: &Problem<'_>, options: &EigenOptions<'_>) -> R
     let request = format_args!("{} eigenpairs of {n} x {n} matrices", options.k);
     check_request("k", request, (n as f64 * size as f64) * size_of::<f64>() as f64)?;
     let pairs = match options.shift {
+        Some(shift) if is_below_all(problem, shift)? => {
+            lowest(problem, &EigenOptions { shift: None, ..options.clone() })
+        }
         Some(shift) => around(problem, shift, options),
         None => lowest(problem, options),
     }?;
     options.progress.report(1.0)?;
     Ok(pairs)
+}
+
+/// Returns whether a shift is below all eigenvalues, by more than s: those nearest to it are the
+/// smallest ones then. From `-s` they are found even where the shift is so far away that their
+/// distances from it hardly differ. `W + s M` is positive definite just if all exceed `-s`.
+fn is_below_all(problem: &Problem<'_>, shift: f64) -> Result<bool> {
+    match shift < -problem.scale {
+        true => problem.all_exceed(-problem.scale),
+        false => Ok(false),
+    }
 }
 
 /// Computes the smallest eigenvalues.
@@ -210,6 +224,7 @@ mod tests {
 
     use super::*;
     use crate::base::Error;
+    use crate::sparse::path::path;
 
     #[test]
     fn indefinite_matrices_need_a_shift_whatever_their_size() {
@@ -225,6 +240,19 @@ mod tests {
             }
             let found = eigs(w.view(), &mass, &options.shift(-2.1)).unwrap();
             assert!((found.values[0] + 2.0).abs() < 1e-9, "n = {n}: {:?}", found.values);
+        }
+    }
+
+    #[test]
+    fn a_shift_far_below_all_eigenvalues_finds_the_smallest_ones() {
+        // Distances from -1 differ by 4e-8 at most; eigenvalues are 4 sin^2(pi j / 2 n).
+        let n = 50_000;
+        let (w, mass) = (path(n), Mass::identity(n));
+        let options = EigenOptions::new().k(3).shift(-1.0);
+        let found = eigs(w.view(), &mass, &options).unwrap().values;
+        for (j, value) in found.iter().enumerate() {
+            let angle = std::f64::consts::FRAC_PI_2 * j as f64 / n as f64;
+            assert!((value - 4.0 * angle.sin().powi(2)).abs() < 1e-13, "{found:?}");
         }
     }
 

@@ -284,9 +284,10 @@ impl<'a> Krylov<'a> {
             }
             next = self.len + (k / 6).max(2 * WIDTH);
             let ritz = self.ritz()?;
-            let (mut order, wanted) = self.ranked(&ritz);
             // Most pairs that a restart keeps.
             let most = (k + (self.len - k) / 2).min(self.len - 2 * WIDTH);
+            let room = if full { most } else { usize::MAX };
+            let (mut order, wanted) = self.ranked(&ritz, room);
             let residuals = self.estimates(&ritz, &order[..wanted.min(most)])?;
             let bound = self.options.tolerance * self.caution;
             let good = residuals.iter().filter(|r| **r <= bound).count();
@@ -323,9 +324,20 @@ impl<'a> Krylov<'a> {
 
     /// Returns the Ritz values in the order of their distances from sigma, and how many of them
     /// must converge: k, or, where sigma is beside the shift, all that are no farther from sigma
-    /// than an eigenvalue may be that is as near to the shift as the k nearest. If more than k are
-    /// no farther from the shift than these, the last of them are moved behind those that must.
-    fn ranked(&self, ritz: &SymmetricEigen) -> (Vec<usize>, usize) {
+    /// than an eigenvalue may be that is as near to the shift as the k nearest. If there is no
+    /// `room` for these, those that are among the k nearest to the shift, and those between sigma
+    /// and the shift. Ritz values that need not converge come after those that must.
+    ///
+    /// The second set is complete as the first one is. Lanczos finds the inverse distances `theta`
+    /// of either sign from the largest one on, so what is needed is that the set has, of each sign,
+    /// the first ones. Let sigma be below the shift, by o. An eigenvalue x above the shift (below,
+    /// if x is negative) has `1 / theta = x + o`. Those within f of the shift have `-f + o <= 1 /
+    /// theta <= f + o`. If `f >= o`, these are the first ones of either sign. If `f < o`, none is
+    /// negative, and of the positive ones those with `1 / theta < o - f` come first, which lie
+    /// between sigma and the shift. Above the shift it is the same with other signs. The first set
+    /// has as many more on the other side of sigma as lie within `2 o` beyond f, which for a
+    /// cluster of eigenvalues may be any number.
+    fn ranked(&self, ritz: &SymmetricEigen, room: usize) -> (Vec<usize>, usize) {
         /// Rounding of the distances, relative to them.
         const ROUNDING: f64 = 1e-9;
         let k = self.options.k;
@@ -340,22 +352,30 @@ impl<'a> Krylov<'a> {
         let (farthest, offset) = (from_shift[k - 1], self.offset.abs());
         let margin = ROUNDING * (farthest + offset);
         let reach = farthest + offset + margin;
-        let within = order.iter().take_while(|&&i| 1.0 / ritz.values[i].abs() <= reach).count();
         // Of those as far from the shift as the farthest, which may be more than the basis has room
         // for, some are enough.
         let nearer = from_shift.iter().filter(|distance| **distance < farthest - margin).count();
-        let mut missing = k - nearer;
-        let (wanted, others): (Vec<usize>, Vec<usize>) =
-            order[..within].iter().copied().partition(|&i| {
-                let is_farthest =
-                    (self.distance_to_shift(ritz.values[i]) - farthest).abs() <= margin;
-                let is_wanted = !is_farthest || missing > 0;
+        let first = |must: &dyn Fn(f64) -> bool| {
+            let mut missing = k - nearer;
+            let (mut wanted, others): (Vec<usize>, Vec<usize>) = order.iter().partition(|&&i| {
+                let theta = ritz.values[i];
+                let is_farthest = (self.distance_to_shift(theta) - farthest).abs() <= margin;
+                let is_wanted = must(theta) && (!is_farthest || missing > 0);
                 missing -= usize::from(is_farthest && is_wanted);
                 is_wanted
             });
-        let count = wanted.len().max(k);
-        order[..within].copy_from_slice(&[wanted, others].concat());
-        (order, count)
+            let count = wanted.len().max(k);
+            wanted.extend(others);
+            (wanted, count)
+        };
+        let found = first(&|theta| 1.0 / theta.abs() <= reach);
+        if found.1 <= room {
+            return found;
+        }
+        first(&|theta| {
+            let is_between = self.offset / theta < 0.0 && 1.0 / theta.abs() <= offset;
+            is_between || self.distance_to_shift(theta) <= farthest + margin
+        })
     }
 
     /// Returns the eigenvalues of the pencil for these Ritz values.

@@ -65,6 +65,11 @@ impl<'a> Problem<'a> {
         self.shifts.positive(sigma)?.ok_or_else(not_semi_definite)
     }
 
+    /// Returns whether all eigenvalues exceed sigma.
+    pub fn all_exceed(&self, sigma: f64) -> Result<bool> {
+        Ok(self.shifts.positive(sigma)?.is_some())
+    }
+
     /// Factorizes `W - sigma M`; `None` where sigma is an eigenvalue up to rounding.
     pub fn regular(&self, sigma: f64) -> Result<Option<Box<dyn Inverse + '_>>> {
         if sigma < 0.0

@@ -4,14 +4,15 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
-use catamaran::AtaOptions;
 use catamaran::base::reserved;
 use catamaran::faer::{MatMut, MatRef, c64};
 use catamaran::io::{self as files, check_complex_name};
 use catamaran::product::{ComplexPlan, aha_planned};
+use catamaran::{AtaOptions, Real};
 
+use super::faint::note_faint;
 use super::shown::digits;
-use super::{Args, Outputs, pinned};
+use super::{Args, Outputs, Unbounded, pinned};
 use crate::progress::{self, Bar};
 use crate::ranks::Ranks;
 use crate::report::{report, row, seconds, status};
@@ -69,6 +70,13 @@ pub fn run(
     status!("time", seconds = time.as_secs_f64(); "{}", seconds(time))?;
     progress::check()?;
     let c = MatRef::from_row_major_slice(&entries, n, n);
+    let path: &Path = &args.input;
+    note_range(&[(path, a)], c)?;
+    let squared = |j: usize| c[(j, j)].re;
+    let is_faint = |j: &usize| squared(*j) < f64::MIN_POSITIVE && !is_zero(a, *j);
+    if let Some(column) = (0..n).find(is_faint) {
+        note_faint::<f64>(&path.display().to_string(), column, false);
+    }
     let Some(output) = outputs.c else { return show(c) };
     let path = output.path().display().to_string();
     files::write_complex(output, c)?;
@@ -77,14 +85,32 @@ pub fn run(
 
 /// Refuses a matrix with an entry that is NaN or infinite.
 pub fn require_finite(path: &Path, a: MatRef<'_, c64>) -> Result<()> {
-    let column = |i: usize| (0..a.ncols()).find(|&j| !a[(i, j)].is_finite());
-    match (0..a.nrows()).find_map(|i| Some((i, column(i)?))) {
-        Some((i, j)) => {
-            let (name, entry) = (path.display(), text(a[(i, j)]));
-            bail!("{name}: {entry} at row {i}, column {j} (counted from 0)")
-        }
+    match not_finite(path, a) {
+        Some(what) => bail!("{what}"),
         None => Ok(()),
     }
+}
+
+/// Returns the first entry of the matrix of a file that is NaN or infinite, with its place.
+fn not_finite(path: &Path, a: MatRef<'_, c64>) -> Option<String> {
+    let column = |i: usize| (0..a.ncols()).find(|&j| !a[(i, j)].is_finite());
+    let (i, j) = (0..a.nrows()).find_map(|i| Some((i, column(i)?)))?;
+    let (name, entry) = (path.display(), text(a[(i, j)]));
+    Some(format!("{name}: {entry} at row {i}, column {j} (counted from 0)"))
+}
+
+/// Notes entries of the product of these files that are not finite, and the cause.
+pub fn note_range(operands: &[(&Path, MatRef<'_, c64>)], c: MatRef<'_, c64>) -> Result<()> {
+    let places = (0..c.nrows()).flat_map(|i| (0..c.ncols()).map(move |j| (i, j)));
+    let unbounded = Unbounded::among(places.map(|place| c[place].is_finite()));
+    let names: Vec<String> = operands.iter().map(|(path, _)| path.display().to_string()).collect();
+    let cause = || Ok(operands.iter().find_map(|(path, matrix)| not_finite(path, *matrix)));
+    unbounded.note(&names.join(", "), f64::NAME, cause)
+}
+
+/// Returns whether a column is zero.
+fn is_zero(a: MatRef<'_, c64>, column: usize) -> bool {
+    (0..a.nrows()).all(|i| a[(i, column)] == c64::new(0.0, 0.0))
 }
 
 fn explain(plan: &ComplexPlan, options: &AtaOptions<'_>) -> Result<()> {

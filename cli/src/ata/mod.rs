@@ -1,6 +1,7 @@
 //! `catamaran ata`.
 
 mod complex;
+mod faint;
 mod memory;
 mod shown;
 mod times;
@@ -25,13 +26,14 @@ use crate::common::{Force, Threads};
 use crate::parse;
 use crate::progress::{self, Bar};
 use crate::ranks::{Ranks, Scalar};
-use crate::report::{note, report, seconds, status};
+use crate::report::{report, seconds, status};
 use crate::rows::{
     Begun, CheckpointArgs, Part, RowList, Shown, Source, Watched, add_rows, check_same_weights,
     fingerprint, labels_with_rows, open, read_weights,
 };
 use crate::tables::{MatrixArgs, MatrixFile};
 use crate::{backend, picture};
+use faint::{Faint, note_faint};
 pub use unbounded::Unbounded;
 
 /// Compute C = A^T A of a matrix in a file, A^H A, or A^T B of two matrices.
@@ -327,7 +329,8 @@ impl Work<'_> {
         let options = options.clone().par(Par::Threads(most));
         let height = args.block_rows.map(NonZeroUsize::get);
         let plan = StreamPlan::new::<T>(m, n, self.weights.is_some(), height, memory, &options);
-        let plan = ranks.meet(plan.with_context(|| self.limits()))?;
+        let plan = plan.with_context(|| format!("{}, in blocks of --block-rows", self.limits()));
+        let plan = ranks.meet(plan)?;
         let strips = plan.strips().iter();
         let hash = strips.fold(0, |hash: usize, strip| hash.wrapping_mul(31) ^ strip.end);
         ranks.same_numbers(&[
@@ -392,7 +395,8 @@ impl Work<'_> {
         let c = sum.finish(self.alpha(), args.uplo)?;
         self.report_time::<T>(m - done, start.elapsed())?;
         self.check(&mean, c.as_ref())?;
-        self.note_unbounded::<T>(&Unbounded::of(c.as_ref(), args.uplo))?;
+        let (unbounded, faint) = (Unbounded::of(c.as_ref(), args.uplo), Faint::of(c.as_ref()));
+        self.note_range::<T>(&unbounded, &faint)?;
         progress::check()?;
         if let Some(output) = outputs.accumulator {
             let path = output.path().display().to_string();
@@ -466,7 +470,7 @@ impl Work<'_> {
         self.report_time::<T>(a.rows(), start.elapsed())?;
         let c = MatRef::from_row_major_slice(&memory.as_slice()[..n * n], n, n);
         self.check(&[], c)?;
-        self.note_unbounded::<T>(&Unbounded::of(c, self.args.uplo))?;
+        self.note_range::<T>(&Unbounded::of(c, self.args.uplo), &Faint::of(c))?;
         progress::check()?;
         self.write(c, outputs.c, outputs.picture)
     }
@@ -568,7 +572,7 @@ impl Work<'_> {
         let list = RowList::from(ranks.share(m, self.a.chunk_rows()));
         let bounds = self.bounds::<T>(&list, plan, options)?;
         let bar = Bar::new("computing");
-        let mut unbounded = Unbounded::default();
+        let (mut unbounded, mut faint) = (Unbounded::default(), Faint::default());
         for (read, strip) in plan.strips().iter().enumerate() {
             let sum = ranks.meet(self.empty(bounds.as_ref(), strip.clone()).map_err(Into::into))?;
             let sum = self.add(sum, &list, plan, options, read, &bar)?;
@@ -576,12 +580,13 @@ impl Work<'_> {
             let (Some(sum), Some(output)) = (ranks.merge(sum)?, &mut output) else { continue };
             let c: Strip<T> = sum.finish(self.alpha(), Uplo::Lower)?;
             unbounded.add(c.as_ref(), strip.start, args.uplo);
+            faint.add(c.as_ref(), strip.start);
             output.write(&c)?;
         }
         drop(bar);
         let Some(output) = output else { return args.checkpoint.remove(ranks) };
         self.report_time::<T>(m, start.elapsed())?;
-        self.note_unbounded::<T>(&unbounded)?;
+        self.note_range::<T>(&unbounded, &faint)?;
         progress::check()?;
         output.commit()?;
         let path = args.output.as_deref().map(|path| path.display().to_string());
@@ -683,19 +688,19 @@ impl Work<'_> {
         )
     }
 
-    /// Notes entries of C that are not finite, and whether A is the cause, for which A is read once
+    /// Notes entries of C that are out of range: those that are not finite, and whether A is the
+    /// cause, and the squared length of a column that has underflowed. For each, A is read once
     /// more.
-    fn note_unbounded<T: BlasReal>(&self, unbounded: &Unbounded) -> Result<()> {
-        if unbounded.is_none() {
+    fn note_range<T: BlasReal>(&self, unbounded: &Unbounded, faint: &Faint) -> Result<()> {
+        let name = self.args.input.display().to_string();
+        let cause = || Ok(self.a.not_finite()?.map(|what| format!("{name}: {what}")));
+        unbounded.note(&name, T::NAME, cause)?;
+        if faint.is_none() {
             return Ok(());
         }
-        let (name, counted) = (self.args.input.display(), unbounded.text());
-        match self.a.not_finite()? {
-            Some(what) => note(format_args!("{name}: {what}; {counted}")),
-            None => note(format_args!(
-                "{name}: all entries are finite, but {counted}: sums are out of the range of {}",
-                T::NAME
-            )),
+        let mut rows = self.a.rows::<f64>(false)?;
+        if let Some(column) = faint.first_in(&mut *rows, self.weights, self.centered())? {
+            note_faint::<T>(&name, column, self.centered());
         }
         Ok(())
     }

@@ -1,6 +1,7 @@
 //! `A^T B` and `A^H B`, where B has the rows of A.
 
 use std::num::NonZeroUsize;
+use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
@@ -14,7 +15,7 @@ use catamaran::rows::RowBlocks;
 use catamaran::{AtaOptions, Uplo};
 
 use super::complex::{self, require_finite};
-use super::{Args, shown, write_matrix};
+use super::{Args, Unbounded, shown, write_matrix};
 use crate::progress::{self, Bar};
 use crate::ranks::Ranks;
 use crate::report::{seconds, status};
@@ -67,9 +68,11 @@ pub fn run(
         (Some(first), Some(second)) if args.require_finite => {
             require_finite(a.path(), first)?;
             require_finite(b.path(), second)?;
-            complex_product(first, second, options, output)
+            complex_product([(a.path(), first), (b.path(), second)], options, output)
         }
-        (Some(first), Some(second)) => complex_product(first, second, options, output),
+        (Some(first), Some(second)) => {
+            complex_product([(a.path(), first), (b.path(), second)], options, output)
+        }
         (None, None) if is_double => real::<f64>(args, (a, b), options, output),
         (None, None) => real::<f32>(args, (a, b), options, output),
         _ => bail!("{of_b}: must be real or complex as {of_a} is"),
@@ -77,11 +80,11 @@ pub fn run(
 }
 
 fn complex_product(
-    a: MatRef<'_, c64>,
-    b: MatRef<'_, c64>,
+    operands: [(&Path, MatRef<'_, c64>); 2],
     options: &AtaOptions<'_>,
     output: Option<Output>,
 ) -> Result<()> {
+    let [(_, a), (_, b)] = operands;
     let (n, k) = (a.ncols(), b.ncols());
     let start = Instant::now();
     let len = n.saturating_mul(k);
@@ -92,6 +95,7 @@ fn complex_product(
     ahb_into(c64::new(1.0, 0.0), a, b, zero, c, options)?;
     done((n, k), "c64", "A^H B", start)?;
     let c = MatRef::from_row_major_slice(&entries, n, k);
+    complex::note_range(&operands, c)?;
     let Some(output) = output else { return complex::show(c) };
     let path = output.path().display().to_string();
     files::write_complex(output, c)?;
@@ -127,6 +131,15 @@ fn real<T: BlasReal>(
     }
     drop(bar);
     done((n, k), T::NAME, "A^T B", start)?;
+    let unbounded = Unbounded::among(entries.iter().map(|entry| entry.is_finite()));
+    let names = format!("{}, {}", a.path().display(), b.path().display());
+    let culprit = |file: &Source| -> Result<Option<String>> {
+        Ok(file.not_finite()?.map(|what| format!("{}: {what}", file.path().display())))
+    };
+    unbounded.note(&names, T::NAME, || match culprit(a)? {
+        None => culprit(b),
+        found => Ok(found),
+    })?;
     let c = MatRef::from_row_major_slice(&entries, n, k);
     match output {
         Some(output) => write_matrix(output, c),

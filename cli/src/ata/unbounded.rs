@@ -2,9 +2,12 @@
 
 use std::ops::Range;
 
+use anyhow::Result;
 use catamaran::Uplo;
 use catamaran::blas::BlasReal;
 use catamaran::faer::MatRef;
+
+use crate::report::note;
 
 /// How many entries of C are not finite.
 #[derive(Default)]
@@ -23,6 +26,14 @@ impl Unbounded {
             found.add(c, 0, uplo);
         }
         found
+    }
+
+    /// Counts entries, of each of which it is told whether it is finite.
+    pub fn among(finite: impl Iterator<Item = bool>) -> Self {
+        finite.fold(Self::default(), |found, is_finite| Self {
+            count: found.count + usize::from(!is_finite),
+            all: found.all + 1,
+        })
     }
 
     /// Counts the entries of further rows of the lower triangle, the first of which is row `first`
@@ -57,6 +68,28 @@ impl Unbounded {
     /// Says how many entries there are.
     pub fn text(&self) -> String {
         format!("{} of {} entries of C are not finite", self.count, self.all)
+    }
+
+    /// Notes the entries, if there are any, of a product of these files in this precision. `cause`
+    /// returns an entry of a file that is not finite, with its place; it is asked only then.
+    pub fn note(
+        &self,
+        files: &str,
+        scalar: &str,
+        cause: impl FnOnce() -> Result<Option<String>>,
+    ) -> Result<()> {
+        if self.is_none() {
+            return Ok(());
+        }
+        let counted = self.text();
+        match cause()? {
+            Some(cause) => note(format_args!("{cause}; {counted}")),
+            None => note(format_args!(
+                "{files}: all entries are finite, but {counted}: sums are out of the range of \
+                 {scalar}"
+            )),
+        }
+        Ok(())
     }
 }
 

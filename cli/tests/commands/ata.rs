@@ -463,6 +463,80 @@ fn entries_of_c_that_are_not_finite_are_counted_in_a_note() {
 }
 
 #[test]
+fn squares_of_a_column_that_underflow_are_noted() {
+    let folder = Folder::new();
+    folder.write("a.csv", "1,1e-170,0\n2,2e-170,0\n");
+    folder.write("single.csv", "1,1e-30\n2,1e-30\n");
+    folder.write("weights.csv", "0\n1\n");
+    folder.write("first.csv", "1,1e-170\n2,0\n");
+    let header = "%%MatrixMarket matrix coordinate real general";
+    folder.write("sparse.mtx", format!("{header}\n90 90 2\n1 1 1\n2 7 1e-200\n"));
+    folder.write(
+        "complex.mtx",
+        "%%MatrixMarket matrix array complex general\n2 2\n1 0\n0 1\n0 1e-170\n0 0\n",
+    );
+    let note = |file: &str, column: usize, what: &str, scalar: &str| {
+        let double = if scalar == "f32" { ", or use --f64" } else { "" };
+        format!(
+            "note: {file}: column {column} (counted from 0) is not {what}, but its entry on the \
+             diagonal of C is too small for {scalar}: multiply the column by a power of \
+             ten{double}\n"
+        )
+    };
+    for (arguments, note) in [
+        ("a.csv", note("a.csv", 1, "zero", "f64")),
+        ("a.csv --uplo upper", note("a.csv", 1, "zero", "f64")),
+        ("a.csv --reproducible", note("a.csv", 1, "zero", "f64")),
+        ("a.csv --center", note("a.csv", 1, "constant", "f64")),
+        ("single.csv --f32", note("single.csv", 1, "zero", "f32")),
+        ("single.csv --f32 --center", String::new()),
+        ("single.csv", String::new()),
+        ("first.csv", note("first.csv", 1, "zero", "f64")),
+        ("first.csv --weights weights.csv", String::new()),
+        ("sparse.mtx", note("sparse.mtx", 6, "zero", "f64")),
+        ("complex.mtx", note("complex.mtx", 1, "zero", "f64")),
+    ] {
+        let run = folder.run(&format!("ata {arguments}"));
+        assert_eq!((run.code, run.stderr), (Some(0), note), "{arguments}");
+    }
+}
+
+#[test]
+fn entries_of_other_products_that_are_not_finite_are_noted() {
+    let folder = Folder::new();
+    folder.write("a.csv", "1e200,1\n2,3\n");
+    folder.write("nan.csv", "1,2\nNaN,4\n");
+    let header = "%%MatrixMarket matrix array complex general\n2 1\n";
+    folder.write("z.mtx", format!("{header}1e200 0\n0 1\n"));
+    folder.write("inf.mtx", format!("{header}1 0\n0 inf\n"));
+    let counted =
+        |count: usize, all: usize| format!("{count} of {all} entries of C are not finite");
+    let range = "sums are out of the range of f64";
+    for (arguments, note) in [
+        (
+            "a.csv --times a.csv",
+            format!("a.csv, a.csv: all entries are finite, but {}: {range}", counted(1, 4)),
+        ),
+        (
+            "a.csv --times nan.csv --missing nan",
+            format!("nan.csv: NaN at row 1, column 0 (counted from 0); {}", counted(2, 4)),
+        ),
+        ("z.mtx", format!("z.mtx: all entries are finite, but {}: {range}", counted(1, 1))),
+        (
+            "z.mtx --times z.mtx",
+            format!("z.mtx, z.mtx: all entries are finite, but {}: {range}", counted(1, 1)),
+        ),
+        (
+            "inf.mtx",
+            format!("inf.mtx: 0+infi at row 1, column 0 (counted from 0); {}", counted(1, 1)),
+        ),
+    ] {
+        let run = folder.run(&format!("ata {arguments}"));
+        assert_eq!((run.code, run.stderr), (Some(0), format!("note: {note}\n")), "{arguments}");
+    }
+}
+
+#[test]
 fn failed_check_writes_nothing() {
     let folder = Folder::new();
     let unknown = "the check can't tell, and nothing is written";

@@ -533,6 +533,18 @@ fn dependent_columns_give_the_solution_of_least_norm_and_a_note() {
     assert_eq!(found.indices("rank").unwrap(), [1]);
     let message = folder.fail("lstsq a.csv --by-column y --refuse-dependent -o y.npz");
     assert!(message.contains("a.csv: column ") && message.contains("depends on"), "{message}");
+    // A prediction for a row in which v is not u has no ground, and says so.
+    folder.succeed("lstsq a.csv --by-column y -o x.json");
+    folder.write("new.csv", "u,v\n1,3\n");
+    let note = noted(&folder, "predict x.json new.csv");
+    assert!(
+        note.starts_with("note: x.json: column ")
+            && note.ends_with(
+                " depends on others in the rows of the fit: predictions of rows where this is not \
+                 so are arbitrary\n"
+            ),
+        "{note}"
+    );
     // Fewer rows than columns.
     folder.write("wide.csv", "3,4,25\n");
     noted(&folder, "lstsq wide.csv --by-column 2 -o z.npz");
@@ -699,6 +711,12 @@ fn singular_values_keep_their_digits_and_the_factors_give_a() {
         (found.matrix("u").unwrap().shape(), found.matrix("v").unwrap().shape()),
         ((4, 2), (3, 2))
     );
+    // Singular values that are too far from the largest leave no digits of u.
+    folder.write("far.csv", "3,1e-30\n0,2e-30\n4,1e-30\n");
+    let note = noted(&folder, "svd far.csv -o far.npz --left");
+    let digits = "note: far.csv: the last 1 of 2 columns of u have fewer than three correct digits";
+    assert!(note.starts_with(digits), "{note}");
+    assert_eq!(noted(&folder, "svd far.csv -o far.npz --force"), "");
 
     let (m, n) = (4999, 6);
     let a = table(m, n);

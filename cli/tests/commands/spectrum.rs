@@ -198,9 +198,10 @@ fn numbers_that_are_none_are_refused_with_what_is_expected() {
 fn refusals_say_what_is_wrong_and_write_nothing() {
     let folder = Folder::new();
     folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    assert!(
-        folder.fail("spectrum a.obj -k 4 -o s.npz").contains("k: 4 eigenpairs of a matrix of 3")
-    );
+    let message = folder.fail("spectrum a.obj -k 4 -o s.npz");
+    assert!(message.contains("a.obj: -k 4, where 3 vertices are free"), "{message}");
+    let message = folder.fail("spectrum a.obj -o s.npz");
+    assert!(message.contains("a.obj: -k 100 (the default), where 3 vertices are"), "{message}");
     assert!(folder.fail("spectrum a.obj -k 1 -o s.txt").contains("must end in .npz, .h5"));
     assert!(folder.fail("spectrum none.obj -k 1 -o s.npz").contains("none.obj"));
     folder.succeed("spectrum a.obj -k 1 -o s.npz");

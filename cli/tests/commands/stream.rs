@@ -1,6 +1,7 @@
 //! `catamaran ata` on files larger than a block, its checkpoints, and `catamaran ata-merge`.
 
 use std::fs;
+use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -109,6 +110,13 @@ fn c_larger_than_memory_is_computed_in_strips() {
     assert!(run.stdout.contains("for strips"), "{}", run.stdout);
     let note = "far.npy: all entries are finite, but 1 of 490000 entries of C are not finite";
     assert!(run.stderr.contains(note), "{}", run.stderr);
+    // So are squares that underflow, here in a column of the last strip.
+    let mut near = table(m, n);
+    (0..m).for_each(|i| near[i * n + n - 1] = 1e-170);
+    folder.write_npy("near.npy", &[m as u64, n as u64], &near);
+    let run =
+        folder.run(&format!("ata near.npy {options} --accuracy classical -o strips.npy --force"));
+    assert!(run.stderr.contains("near.npy: column 699 (counted from 0) is not"), "{}", run.stderr);
 
     let fail = |arguments: &str| folder.fail(&format!("ata a.npy {options} {arguments}"));
     assert!(fail("-o c.csv").contains("c.csv: a matrix larger than memory"));
@@ -119,6 +127,8 @@ fn c_larger_than_memory_is_computed_in_strips() {
     }
     let message = folder.fail("ata a.npy --memory 0.0001 -o d.npy");
     assert!(message.contains("memory: ") && message.contains("a row of C need"), "{message}");
+    assert!(message.contains("blocks of fewer rows need less"), "{message}");
+    assert!(message.contains("(--memory), in blocks of --block-rows: "), "{message}");
 }
 
 #[test]
@@ -368,6 +378,35 @@ fn sums_of_parts_merge_to_the_whole() {
     folder.succeed("ata-merge 0.sums 1.sums 2.sums 3.sums -o l.npy --uplo lower");
     let lower = folder.read_npy::<f64>("l.npy", &[N; 2]);
     assert!((0..N * N).all(|k| lower[k] == if k / N >= k % N { expected[k] } else { 0.0 }));
+}
+
+#[test]
+fn rows_that_count_twice_are_noted() {
+    let folder = Folder::new();
+    folder.write("a.csv", "1,2\n3,4\n");
+    folder.write("b.csv", "5,6\n");
+    folder.succeed("ata a.csv --accumulator a.sums");
+    folder.succeed("ata a.csv --accumulator again.sums");
+    folder.succeed("ata b.csv --accumulator b.sums");
+    for (files, note) in [
+        ("a.sums b.sums", ""),
+        ("a.sums b.sums a.sums", "note: a.sums: sums of the rows in a.sums, which count twice\n"),
+        ("a.sums again.sums", "note: again.sums: sums of the rows in a.sums, which count twice\n"),
+    ] {
+        let run = folder.run(&format!("ata-merge {files} -o c.npy --force"));
+        assert_eq!((run.code, run.stderr.as_str()), (Some(0), note), "{files}");
+    }
+    // Two matrices from the standard input are not the same.
+    if cfg!(unix) {
+        for (sums, rows) in [("first.sums", "1,2\n"), ("second.sums", "3,4\n")] {
+            let mut command = folder.program();
+            command.args(["ata", "-", "--accumulator", sums]).stdin(Stdio::piped());
+            let mut child = command.spawn().unwrap();
+            child.stdin.take().unwrap().write_all(rows.as_bytes()).unwrap();
+            assert!(child.wait().unwrap().success());
+        }
+        assert_eq!(folder.run("ata-merge first.sums second.sums -o c.npy --force").stderr, "");
+    }
 }
 
 #[test]

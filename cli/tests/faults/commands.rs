@@ -22,7 +22,7 @@ pub const LINES: &[&str] = &[
     "ata a.npy -o c.csv.gz --scheme exact --verify",
     "ata a.csv -o c.mtx",
     "ata a.npy --times w.npy -o c.npy --block-rows 16",
-    "ata-merge a.sums a.sums -o c.npy --accumulator sums",
+    "ata-merge a.sums b.sums -o c.npy --accumulator sums",
     "lstsq a.npy w.npy -o x.npz -o x.json --weights w.csv --intercept --block-rows 16",
     "lstsq a.csv --by-column 7,0 -o x.json",
     "predict fit.json a.csv --interval mean -o p.csv",
@@ -197,6 +197,7 @@ fn matrices(folder: &Folder) {
     folder.write("w.csv", csv(&weights, 1));
     folder.succeed("ata a.csv -o a.mtx");
     folder.succeed("ata a.npy --accumulator a.sums");
+    folder.succeed("ata a.csv --accumulator b.sums");
     folder.succeed("lstsq a.csv --by-column 7,0 --intercept --covariance -o fit.json");
     // What a run that failed at its last row leaves.
     let (m, n) = (800, 300);

@@ -40,6 +40,8 @@ pub(super) unsafe fn multiply_in_place<V: Vectors, const ROWS: usize, const COUN
     product: &InPlace<'_, V::Scalar>,
 ) {
     let InPlace { steps, left, right, ref cols, targets, .. } = *product;
+    // `unscale` would read lanes beyond `width`, which the last tile of a row leaves unwritten.
+    debug_assert!(targets.iter().all(|target| target.scales().is_none()));
     let mut sums = product.sums;
     // Sums that are not read again and go to one target are written from registers.
     let only = match targets {

@@ -198,7 +198,11 @@ unsafe fn unscale<V: Vectors>(
     const { assert!(V::ROWS * V::WIDTH <= LARGEST_TILE) };
     // SAFETY: clauses `instructions` and `sums`: a tile has at most LARGEST_TILE scalars, as
     // asserted, and rows of WIDTH, a multiple of LANES, so that whole vectors end inside; scales
-    // are read for the wanted columns only, by the mask, and for rows below `height`.
+    // are read for the wanted columns only, by the mask, and for rows below `height`. All lanes of
+    // the vectors that are loaded were written, those beyond `wanted` too: targets with scales have
+    // sources with scales, which are packed, and `multiply_row` stores whole vectors from a
+    // multiple of LANES on, for all rows. Only `multiply_in_place` leaves lanes unwritten, and it
+    // asserts that its targets have no scales.
     unsafe {
         let one = V::splat(V::Scalar::ONE);
         let (first, end) = (wanted.start / V::LANES * V::LANES, wanted.end);
