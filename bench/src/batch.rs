@@ -4,9 +4,9 @@ use std::fmt;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use catamaran::AtaOptions;
 use catamaran::base::ThreadPool;
 use catamaran::product::ata_batched_into;
-use catamaran::AtaOptions;
 use faer::{MatMut, MatRef};
 
 use crate::Result;
