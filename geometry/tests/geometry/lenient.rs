@@ -470,9 +470,9 @@ fn off_is_read_with_counts_after_its_name_and_with_any_dimension() {
     let shared = |color: &str| {
         format!("COFF\n3 1 0\n0 0 0 {color} 1 0 0 {color} 0 1 0 {color}\n3 0 1 2\n").into_bytes()
     };
-    let file = read_bytes(&shared("0 255 0"), OFF).unwrap();
-    assert_eq!((file.mesh.area(), file.colors.unwrap()[2]), (0.5, [0.0, 1.0, 0.0, 1.0]));
-    assert!(refusal(&shared("0 255 0 255"), OFF).1.starts_with("numbers follow the last face"));
+    let file = read_bytes(&shared("255 0 0"), OFF).unwrap();
+    assert_eq!((file.mesh.area(), file.colors.unwrap()[2]), (0.5, [1.0, 0.0, 0.0, 1.0]));
+    assert!(refusal(&shared("255 0 0 255"), OFF).1.starts_with("numbers follow the last face"));
 }
 
 #[test]

@@ -818,7 +818,7 @@ fn faces_of_gmsh_are_read_in_each_version() {
     let text = String::from_utf8(msh(2, false)).unwrap();
     for (from, to, what) in [
         ("2.2 0 8", "3.0 0 8", "mesh.msh:2: version \"3.0\", where 2 and 4.1, and 1 and 4.0 in"),
-        ("2.2 0 8", "4.0 1 8", "mesh.msh:2: version binary 4.0, where"),
+        ("2.2 0 8", "4.0 1 8", "mesh.msh:2: version 4.0 in binary, where"),
         ("$MeshFormat", "$Format", "has no $MeshFormat before other sections"),
         ("1 3 2 5 5 10", "1 3 2 5 5 99", "element 1: node 99 does not exist"),
         ("1 3 2 5 5 10", "1 999 2 5 5 10", "unknown type 999 of elements"),

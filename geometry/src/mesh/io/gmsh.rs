@@ -159,7 +159,7 @@ impl Reader<'_, '_> {
         };
         let is_binary = self.cursor.count(what)? == 1;
         if is_binary && self.version == Version::FourZero {
-            return Err(not_supported("binary 4.0"));
+            return Err(not_supported("4.0 in binary"));
         }
         if self.cursor.count(what)? != 8 {
             return Err("numbers are not of 8 bytes".into());
