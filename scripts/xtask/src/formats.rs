@@ -38,8 +38,8 @@ What a reader leaves out or reads differently is a note with a count: on stderr,
 - Text may be in UTF-8, Latin-1 or UTF-16, and its lines may end in any way.
 - Files that a file names, such as buffers of glTF and numbers of GIFTI, lie beside it or in folders
   there.
-- Surfaces of FreeSurfer are read as text (`.asc`), too, Gmsh's files in the versions 1, 2, 4.0 (1
-  and 4.0 as text) and 4.1, and XML of VTK packed by zlib or LZ4.
+- Surfaces of FreeSurfer are also read as text (`.asc`), Gmsh's versions 2 and 4.1 as text and
+  binary, 1 and 4.0 as text, and XML of VTK packed by zlib or LZ4.
 
 A file that ends too early, a face with a vertex that is not there, and a file of zero bytes are
 errors. An error about a file that holds no mesh says what the file seems to be.
