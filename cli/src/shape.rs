@@ -152,6 +152,7 @@ impl LaplacianArgs {
     /// Reads a mesh, and refuses one that does not have the eigenfunctions that `needs` says.
     pub fn prepare<'a>(&'a self, path: &'a Path, needs: &[Need]) -> Result<Prepared<'a>> {
         let file = self.repair.read(path)?;
+        has_faces(&file.mesh, path)?;
         // The first of the largest.
         let most = needs.iter().rev().max_by_key(|need| need.len);
         let Need { option, len, .. } = *most.context("no eigenfunctions are needed")?;
@@ -218,6 +219,15 @@ impl Prepared<'_> {
         )?;
         Ok(Shape { file, stiffness: operator.stiffness, eigenbasis })
     }
+}
+
+/// Returns an error about a mesh without faces, such as a point cloud.
+pub fn has_faces(mesh: &TriMesh, path: &Path) -> Result<()> {
+    if mesh.faces().is_empty() {
+        let path = path.display();
+        bail!("{path}: has no faces; `catamaran spectrum` has eigenfunctions of point clouds");
+    }
+    Ok(())
 }
 
 /// Reads a matrix of finite numbers with a row for each of `rows` vertices: a table, or the values

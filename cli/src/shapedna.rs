@@ -18,7 +18,7 @@ use crate::input::{self, TextFile};
 use crate::pieces::Pieces;
 use crate::progress::Bar;
 use crate::report::{head, row, status};
-use crate::shape::{LaplacianArgs, MassArgs};
+use crate::shape::{LaplacianArgs, MassArgs, has_faces};
 
 /// The options of comparisons, which a fit of a metric does not make.
 const NOT_FITTED: [&str; 3] = ["query", "distances", "metric"];
@@ -119,6 +119,7 @@ pub fn run(args: &Args) -> Result<()> {
         let file = read_with(name, &input::source())?;
         input::accept(&file, name)?;
         let mesh = args.laplacian.repair.apply(file, name)?.mesh;
+        has_faces(&mesh, name)?;
         let pieces = Pieces::new(&mesh, name, &args.laplacian.repair, &options.laplacian.boundary)?;
         pieces.check_signature(args.k)?;
         pieces.note();

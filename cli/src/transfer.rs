@@ -75,8 +75,9 @@ pub struct Args {
     /// Target mesh, in the same formats.
     #[arg(value_name = "TARGET")]
     target: PathBuf,
-    /// Table of the functions to transfer: a row for each vertex of the source, a column for each
-    /// function (.npy, .csv, .txt, ...).
+    /// The functions to transfer: a table (.npy, .csv, .txt, ...) with a row for each vertex of the
+    /// source and a column for each function, or the values of vertices in a file of VTK, GIFTI,
+    /// Gmsh or FreeSurfer (.curv, .thickness and others).
     #[arg(long, value_name = "F")]
     functions: Option<PathBuf>,
     /// Transfer the shape of the source instead of functions, and write the deformed target.

@@ -106,6 +106,18 @@ fn what_has_too_few_vertices_is_named() {
 }
 
 #[test]
+fn point_clouds_are_refused_by_name() {
+    let folder = Folder::new();
+    folder.write("cloud.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
+    for command in
+        ["shapedna cloud.obj cloud.obj -k 1", "descriptors cloud.obj --kind hks -o d.npy"]
+    {
+        let said = folder.fail(command);
+        assert!(said.contains("cloud.obj: has no faces; `catamaran spectrum`"), "{said}");
+    }
+}
+
+#[test]
 fn what_a_reader_leaves_out_is_noted() {
     let folder = Folder::new();
     write(&folder, "whole.obj", families::icosphere(1).unwrap());

@@ -123,6 +123,16 @@ fn rows_of_ply_may_be_longer_than_declared() {
 }
 
 #[test]
+fn elements_of_ply_with_vertices_that_are_no_faces_are_noted() {
+    let text = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n\
+                property float z\nelement range_grid 2\nproperty list uchar int vertex_indices\n\
+                element camera 1\nproperty float angle\nend_header\n0 0 0\n1 0\n0\n0.5\n";
+    let notes = read_bytes(text.as_bytes(), PLY).unwrap().notes;
+    let said = "left out elements of vertices that are no faces: 2, the first at range_grid";
+    assert_eq!(notes, [said]);
+}
+
+#[test]
 fn headers_of_ply_may_have_other_line_ends_blanks_and_lines() {
     for format in [PLY, MeshFormat::Ply(PlyEncoding::LittleEndian)] {
         let bytes = bytes_of(format);
@@ -240,6 +250,38 @@ fn planar_obj_and_numbers_of_windows_are_read() {
 }
 
 #[test]
+fn statements_of_obj_continue_after_a_backslash_and_comments_do_not() {
+    let vertices = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+    for face in [
+        "f 1 2 \\\n3 4\n",
+        "f 1 2 \\ \t\n  3\\\r\n 4\n",
+        // The last line may continue on none.
+        "f 1 2 3 4 \\",
+        "# made in C:\\meshes\\\nf 1 2 3 4\n",
+        "g a # C:\\meshes\\\nf 1 2 3 4\n",
+        "f 1 2 \\\n# C:\\\nf 1 2 3 4\n",
+    ] {
+        let file = read_bytes(format!("{vertices}{face}").as_bytes(), OBJ).unwrap();
+        assert_eq!(file.mesh.faces(), [[0, 1, 2], [0, 2, 3]], "{face:?}");
+    }
+}
+
+#[test]
+fn numbers_of_fortran_are_read_and_decimal_commas_named() {
+    let text = b"v 1.5D+0 -2d-1 1.D2\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    assert_eq!(read_bytes(text, OBJ).unwrap().mesh.vertices()[0], [1.5, -0.2, 100.0]);
+    for (number, said) in [
+        ("1,5", "\"1,5\" is not a number: it needs a point in place of the comma"),
+        ("1,5,2", "\"1,5,2\" is not a number"),
+        ("D5", "\"D5\" is not a number"),
+        ("2D", "\"2D\" is not a number"),
+    ] {
+        let (line, found) = refusal(format!("v 0 0 {number}\n").as_bytes(), OBJ);
+        assert_eq!((line, &found[..]), (Some(1), said));
+    }
+}
+
+#[test]
 fn colours_of_zbrush_are_read() {
     let v = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
     let text = format!("#MRGB ffff0000ff00ff00\n{v}#MRGB ff0000ff\nf 1 2 3\n");
@@ -296,6 +338,18 @@ fn stl_as_text_may_have_capitals_comments_colours_and_no_end() {
         changed(&text, "facet normal", "Facet Normal"),
         changed(&text, "solid\nfacet", "solid a b\n\n\n  facet"),
         changed(&text, "solid\nfacet", "solid a\nendsolid a\nfacet"),
+        // In one line, also with a second solid, or a line for each facet.
+        text.replace('\n', " "),
+        changed(&text, "solid\nfacet", "solid facet of a\nendsolid a solid b\nfacet")
+            .replace('\n', " "),
+        text.replace("\nendsolid", "\tendsolid")
+            .replace("\nouter", " outer")
+            .replace(
+                "\nvertex",
+                " \
+            vertex",
+            )
+            .replace("\nend", " end"),
     ];
     for text in clean {
         assert!(whole(text.as_bytes(), STL_TEXT).notes.is_empty(), "{}", &text[..90]);
@@ -381,6 +435,7 @@ fn off_is_read_with_counts_after_its_name_and_with_any_dimension() {
         with(format!("nOFF\n3\n{vertices} {faces} 0\n"), &same),
         with(format!("nOFF 3\n{vertices} {faces} 0\n"), &same),
         with(format!("n4OFF 3\n{vertices} {faces} 0\n"), &|row| format!("{row} 1")),
+        with(format!("off\n{vertices} {faces} 0\n"), &same),
     ] {
         assert!(whole(text.as_bytes(), OFF).notes.is_empty(), "{}", &text[..30]);
     }
@@ -389,6 +444,7 @@ fn off_is_read_with_counts_after_its_name_and_with_any_dimension() {
         (with(head.clone(), &|row| format!("{row} 7 8")), "left out numbers after the others"),
         (with(head.replace(" 0\n", " 0 0\n"), &same), "left out a number after the counts"),
         (format!("{text}3 0 1 2\n"), "left out lines after the last face"),
+        (changed(&text, "OFF\n", ""), "took OFF for the keyword, which is missing"),
         (
             with(format!("nOFF 5\n{vertices} {faces} 0\n"), &|row| format!("{row} 8 9")),
             "left out coordinates beyond the third",
@@ -410,6 +466,13 @@ fn off_is_read_with_counts_after_its_name_and_with_any_dimension() {
     assert_eq!(file.colors.as_ref().unwrap()[1], [0.0, 0.5, 0.0, 1.0]);
     assert!(note(&file, "left out numbers after the others").ends_with(": 2, the first at line 3"));
     assert!(refusal(b"nOFF 0\n1 0 0\n\n", OFF).1.contains("without coordinates"));
+    // Where vertices share a line, nothing tells 4 numbers of colours from 3.
+    let shared = |color: &str| {
+        format!("COFF\n3 1 0\n0 0 0 {color} 1 0 0 {color} 0 1 0 {color}\n3 0 1 2\n").into_bytes()
+    };
+    let file = read_bytes(&shared("255 0 0"), OFF).unwrap();
+    assert_eq!((file.mesh.area(), file.colors.unwrap()[2]), (0.5, [1.0, 0.0, 0.0, 1.0]));
+    assert!(refusal(&shared("255 0 0 255"), OFF).1.starts_with("numbers follow the last face"));
 }
 
 #[test]
@@ -426,6 +489,26 @@ fn files_without_a_mesh_say_what_they_are() {
         ("b.off", b"<?xml version='1.0'?>\n<COLLADA version='1'>", "COLLADA: export"),
         ("b.glb", b"\x89PNG\r\n", "a picture"),
         ("c.xyz", b"some text\n", "name and content are not OBJ, PLY"),
+        ("c.inp", b"** by hand\n*Heading\n*Node\n1, 0, 0, 0\n", "Abaqus: `meshio convert"),
+        ("c.k", b"$ by hand\n*KEYWORD\n*NODE\n", "LS-DYNA: export STL"),
+        ("c.bdf", b"$ by hand\nGRID           1\n", "Nastran: `gmsh"),
+        ("c.nas", b"SOL 101\nCEND\nBEGIN BULK\nGRID,1,,0.,0.,0.\n", "Nastran: `gmsh"),
+        ("c.mesh", b" MeshVersionFormatted 2\n Dimension 3\n", "Medit: `meshio convert"),
+        ("c.su2", b"NDIME= 3\nNELEM= 933\n", "SU2: `meshio convert"),
+        ("c.vol", b"# by hand\nmesh3d\n", "Netgen: `meshio convert"),
+        ("c.xml", b"<dolfin nsmap='a'>\n", "XML of DOLFIN: `meshio convert"),
+        ("c.xdmf", b"<?xml version='1.0'?><Xdmf Version='3.0'>", "XDMF: save the surface"),
+        ("c.msh", b"(1 \"by hand\")\n(0 \"a comment\")\n", "Fluent: `meshio convert"),
+        ("c.dat", b"TITLE = \"by hand\"\n", "Tecplot: `meshio convert"),
+        ("c.amf", b"<?xml version='1.0'?>\n<amf unit='inch'>", "AMF: export 3MF or STL"),
+        ("c.x3dv", b"#X3D V3.0 utf8\n", "X3D: export"),
+        ("c.drc", b"DRACO\x02\x02\x01\x01\0\0", "Draco: `draco_decoder"),
+        ("c.ctm", b"OCTM\x05\0\0\0RAW\0", "OpenCTM: export"),
+        ("c.3ds", b"MM\x64\0\0\0\x02\0\x0a\0\0\0\x03\0\0\0", "3DS: export"),
+        ("c.brep", b"DBRep_DrawableShape\n\nCASCADE Topology V1\n", "BREP: export STL"),
+        ("c.igs", &[b' '; 72].iter().chain(b"S0000001\n").copied().collect::<Vec<u8>>(), "IGES"),
+        ("lh.aparc.annot", b"\0\0\0\x01\0\0\0\0\0\0\0\0", "has values of vertices by its name"),
+        ("c.gltf", b"{\"type\": \"FeatureCollection\"}", "JSON, but not of glTF"),
     ] {
         let path = folder.path(name);
         fs::write(&path, content).unwrap();
@@ -461,6 +544,7 @@ fn version_1_of_gltf_and_compressed_numbers_are_refused_by_name() {
         );
         let said = refusal(used.as_bytes(), GLTF).1;
         assert!(said.contains(&format!("compressed by the extension {name}")), "{said}");
+        assert!(said.contains("export without compression"), "{said}");
     }
 }
 

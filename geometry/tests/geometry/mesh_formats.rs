@@ -309,7 +309,6 @@ fn vtk_in_xml_is_read_in_each_encoding() {
         ("1 1 1<X/>", "1 1<X/>", "23 coordinates of points, not three for each"),
         ("0 2 4 6", "0 2 <!-- --> 4 6", "array \"heat\" is in several pieces"),
         ("Components=\"3\"", "Components=\"2\"", "points of 2 coordinates"),
-        ("\"LittleEndian\"", "\"LittleEndian\" compressor=\"vtkLZ4DataCompressor\"", "LZ4"),
     ] {
         let found = refused(text.replace(from, to).as_bytes(), MeshFormat::VtkXml);
         assert!(found.contains(what), "{to}: {found}");
@@ -333,6 +332,47 @@ fn vtk_in_xml_has_its_byte_order_and_may_have_headers_with_a_padding() {
     );
     let file = read_bytes(text.as_bytes(), MeshFormat::VtkXml).unwrap();
     assert_eq!((file.mesh.vertices(), file.mesh.faces()), (&positions[..], &[[2, 0, 1]][..]));
+}
+
+#[test]
+fn vtk_in_xml_may_be_packed_by_lz4_and_text_by_anything() {
+    /// The positions in single precision, as LZ4 packs them.
+    const BLOCK: [u8; 17] = [25, 0, 1, 0, 41, 128, 63, 15, 0, 112, 0, 0, 64, 0, 0, 0, 0];
+    let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
+    let points = |encoding: &str, numbers: &str| {
+        format!(
+            "<DataArray Name=\"P\" type=\"Float32\" NumberOfComponents=\"3\" \
+             format=\"{encoding}\">{numbers}</DataArray>"
+        )
+    };
+    let packed = |size: u32| {
+        // One block, of this size, which is whole.
+        let head = [1, size, 0, BLOCK.len() as u32].map(u32::to_le_bytes).concat();
+        points("binary", &[STANDARD.encode(head), STANDARD.encode(BLOCK)].concat())
+    };
+    let file = |compressor: &str, points: String| {
+        format!(
+            "<VTKFile type=\"PolyData\" compressor=\"vtk{compressor}DataCompressor\"><Piece>\
+             <Points>{points}</Points><Polys>\
+             <DataArray Name=\"connectivity\" type=\"Int8\">0 1 2</DataArray>\
+             <DataArray Name=\"offsets\" type=\"Int8\">3</DataArray></Polys></Piece></VTKFile>"
+        )
+    };
+    let text = || points("ascii", "0 0 0 1 0 0 0 2 0");
+    // Text is not packed, whatever the header names.
+    for text in [file("LZ4", packed(36)), file("LZ4", text()), file("LZMA", text())] {
+        let mesh = read_bytes(text.as_bytes(), MeshFormat::VtkXml).unwrap().mesh;
+        assert_eq!((mesh.vertices(), mesh.faces()), (&positions[..], &[[0, 1, 2]][..]));
+    }
+    for (text, what) in [
+        (file("LZMA", packed(36)), "packed by vtkLZMADataCompressor, where zlib and LZ4 are read"),
+        (file("LZ4", packed(35)), "can't be unpacked"),
+        (file("LZ4", packed(40)), "unpacks to 36 of 40 bytes"),
+        (file("LZ4", packed(1 << 20)), "do not unpack to 1048576"),
+    ] {
+        let said = refused(text.as_bytes(), MeshFormat::VtkXml);
+        assert!(said.contains(what), "{said}");
+    }
 }
 
 #[test]
@@ -509,6 +549,60 @@ fn surfaces_of_freesurfer_are_read_and_old_ones_of_quadrilaterals() {
     let path = folder.path("lh.smoothwm");
     fs::write(&path, &bytes).unwrap();
     assert_eq!(read(&path).unwrap().mesh, file.mesh);
+}
+
+#[test]
+fn surfaces_of_freesurfer_are_read_as_text() {
+    let rows = |rows: Vec<String>| rows.into_iter().map(|row| row + "  0\n").collect::<String>();
+    let points = rows(corners().into_iter().map(text).collect());
+    let whole =
+        format!("#!ascii version of lh.white\n8 12\n{points}{}", rows(FACES.map(text).into()));
+    let file = is_cube(whole.as_bytes(), MeshFormat::FreeSurfer, "text");
+    assert_eq!((file.mesh.faces(), file.notes.len()), (&FACES[..], 0));
+    beginnings_are_refused(whole.as_bytes(), whole.len() - 2, MeshFormat::FreeSurfer, "text");
+    // Content decides, and the surface has no values.
+    let folder = Folder::new();
+    let path = folder.path("lh.white.asc");
+    fs::write(&path, &whole).unwrap();
+    assert_eq!(read(&path).unwrap().mesh, file.mesh);
+    assert!(read_scalars(&path).unwrap_err().to_string().contains("is a surface, without values"));
+    let marked = whole.replacen("1  0\n", "1  1\n", 1);
+    let notes = is_cube(marked.as_bytes(), MeshFormat::FreeSurfer, "marked").notes;
+    assert_eq!(notes, ["took vertices and faces that the file marks as cut away: 1"]);
+}
+
+#[test]
+fn numbers_of_gifti_may_be_in_a_file_beside_it() {
+    let array = |intent: &str, kind: &str, rows: usize, file: &str, start: &str| {
+        format!(
+            "<DataArray Intent=\"NIFTI_INTENT_{intent}\" DataType=\"NIFTI_TYPE_{kind}\" \
+             Dimensionality=\"2\" Dim0=\"{rows}\" Dim1=\"3\" Encoding=\"ExternalFileBinary\" \
+             Endian=\"BigEndian\" ExternalFileName=\"{file}\" ExternalFileOffset=\"{start}\">\
+             <Data></Data></DataArray>"
+        )
+    };
+    let folder = Folder::new();
+    let points = big(corners().into_flattened(), f64::to_be_bytes);
+    let triangles = big(FACES.into_iter().flatten(), u32::to_be_bytes);
+    fs::write(folder.path("a b.dat"), [points, triangles].concat()).unwrap();
+    let path = folder.path("a.gii");
+    let found = |start: &str, file: &str| {
+        let points = array("POINTSET", "FLOAT64", 8, "a b.dat", "");
+        let triangles = array("TRIANGLE", "INT32", 12, file, start);
+        fs::write(&path, format!("<GIFTI>{points}{triangles}</GIFTI>")).unwrap();
+        read(&path)
+    };
+    let mesh = found("192", "a b.dat").unwrap().mesh;
+    assert_eq!((mesh.vertices(), mesh.faces()), (&corners()[..], &FACES[..]));
+    for (start, file, what) in [
+        ("196", "a b.dat", "data array 1: has 35 of 36 numbers"),
+        ("192", "../a b.dat", "is not the name of a file beside this one"),
+        ("192", "none.dat", "none.dat: "),
+        ("192", "", "is not the name of a file beside this one"),
+    ] {
+        let said = found(start, file).unwrap_err().to_string();
+        assert!(said.contains(what), "{said}");
+    }
 }
 
 #[test]
@@ -723,8 +817,9 @@ fn faces_of_gmsh_are_read_in_each_version() {
     }
     let text = String::from_utf8(msh(2, false)).unwrap();
     for (from, to, what) in [
-        ("2.2 0 8", "4.0 0 8", "mesh.msh:2: version \"4.0\", where 2.2 or 4.1 is supported"),
-        ("$MeshFormat", "$NOD", "version 1 of the format"),
+        ("2.2 0 8", "3.0 0 8", "mesh.msh:2: version \"3.0\", where 2 and 4.1, and 1 and 4.0 in"),
+        ("2.2 0 8", "4.0 1 8", "mesh.msh:2: version 4.0 in binary, where"),
+        ("$MeshFormat", "$Format", "has no $MeshFormat before other sections"),
         ("1 3 2 5 5 10", "1 3 2 5 5 99", "element 1: node 99 does not exist"),
         ("1 3 2 5 5 10", "1 999 2 5 5 10", "unknown type 999 of elements"),
     ] {
@@ -748,6 +843,37 @@ fn faces_of_gmsh_are_read_in_each_version() {
     bytes["$MeshFormat\n2.2 1 8\n".len()] = 7;
     let found = refused(&bytes, MeshFormat::Gmsh);
     assert!(found.contains("not 1 in any byte order"), "{found}");
+}
+
+#[test]
+fn old_versions_of_gmsh_are_read_as_text() {
+    let rows = |row: &dyn Fn(usize, [f64; 3]) -> String| -> String {
+        (10..).zip(corners()).map(|(number, [x, y, z])| row(number, [x, y, z]) + "\n").collect()
+    };
+    let sides = |row: &dyn Fn(usize, String) -> String| -> String {
+        let side = |side: [u32; 4]| text(side.map(|v| v + 10));
+        (1..).zip(SIDES).map(|(i, own)| row(i, side(own)) + "\n").collect()
+    };
+    // Version 1: two regions, and the number of nodes.
+    let nodes = rows(&|number, [x, y, z]| format!("{number} {x} {y} {z}"));
+    let elements = sides(&|i, nodes| format!("{i} 3 7 7 4 {nodes}"));
+    let one = format!("$NOD\n8\n{nodes}$ENDNOD\n$ELM\n6\n{elements}$ENDELM\n");
+    // Version 4.0: the entity's number comes before its dimension; a node of a surface has two
+    // parameters.
+    let nodes = rows(&|number, [x, y, z]| format!("{number} {x} {y} {z} 0.5 0.25"));
+    let elements = sides(&|i, nodes| format!("{i} {nodes}"));
+    let four = format!(
+        "$MeshFormat\n4 0 8\n$EndMeshFormat\n$Nodes\n1 8\n1 2 1 8\n{nodes}$EndNodes\n\
+         $Elements\n1 6\n1 2 3 6\n{elements}$EndElements\n"
+    );
+    for text in [&one, &four] {
+        let file = is_cube(text.as_bytes(), MeshFormat::Gmsh, text);
+        assert_eq!((file.mesh.vertices(), file.notes.len()), (&corners()[..], 0));
+        let cut = text.rfind('$').unwrap();
+        assert!(refused(&text.as_bytes()[..cut], MeshFormat::Gmsh).contains("truncated"));
+    }
+    let wrong = one.replacen("1 3 7 7 4", "1 3 7 7 3", 1);
+    assert!(refused(wrong.as_bytes(), MeshFormat::Gmsh).contains("element 0: 3 nodes, not 4"));
 }
 
 #[test]

@@ -36,6 +36,10 @@ What a reader leaves out or reads differently is a note with a count: on stderr,
 - Where the header of a binary STL file has no number of facets, or one that is too small, the size
   of the file decides.
 - Text may be in UTF-8, Latin-1 or UTF-16, and its lines may end in any way.
+- Files that a file names, such as buffers of glTF and numbers of GIFTI, lie beside it or in folders
+  there.
+- Surfaces of FreeSurfer are also read as text (`.asc`), Gmsh's versions 2 and 4.1 as text and
+  binary, 1 and 4.0 as text, and XML of VTK packed by zlib or LZ4.
 
 A file that ends too early, a face with a vertex that is not there, and a file of zero bytes are
 errors. An error about a file that holds no mesh says what the file seems to be.

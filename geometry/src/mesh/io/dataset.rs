@@ -2,7 +2,7 @@
 //! imaging store it.
 
 use super::attributes::{Attribute, MeshFile, Scalars};
-use super::draft::{Checked, Draft};
+use super::draft::{Checked, Draft, Fault};
 use super::stored::{Kind, vertex, whole};
 use catamaran::base::{Error, Result, push};
 
@@ -79,6 +79,15 @@ impl Array {
         let role = Role::of(&name, width);
         Ok(Self { name, role, width, values, full: if kind == Kind::U8 { 255.0 } else { 1.0 } })
     }
+}
+
+/// What makes a surface of other data.
+const HELP: &str =
+    "extract the surface first (PyVista: extract_surface, ParaView: Extract Surface)";
+
+/// Returns the error about a file whose content, `what`, is no surface but has one.
+pub(super) fn not_a_surface(what: &str) -> Fault {
+    format!("{what} is not a surface: {HELP}").into()
 }
 
 /// A dataset that is being read.
@@ -207,9 +216,8 @@ impl Dataset {
         }
         let mut file = self.draft.finish(&mut [], &mut [])?;
         if self.has_other_cells && file.mesh.faces().is_empty() {
-            let what = "no faces: they are volumes, lines or points; of volumes, extract the \
-                        surface first (PyVista: extract_surface, ParaView: Extract Surface)";
-            return Err(Error::Mesh { what: what.into(), element: "the cells".into() });
+            let what = format!("no faces: they are volumes, lines or points; of volumes, {HELP}");
+            return Err(Error::Mesh { what, element: "the cells".into() });
         }
         for Array { name, role, width, values, .. } in self.arrays {
             match role {

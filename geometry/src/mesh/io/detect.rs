@@ -145,7 +145,7 @@ pub(super) fn is_obj(head: &Head<'_>) -> bool {
 
 /// Beginnings of files that hold no mesh, or one of a format that is not read: in lower case, what
 /// they seem to be, and what helps. Those that begin with < may follow a declaration of XML.
-const OTHERS: [(&[u8], &str); 17] = [
+const OTHERS: [(&[u8], &str); 28] = [
     (b"<!doctype html", "a web page: download the file itself"),
     (b"<html", "a web page: download the file itself"),
     (b"version https://git-lfs", "a pointer of Git LFS: `git lfs pull` fetches the file itself"),
@@ -154,19 +154,59 @@ const OTHERS: [(&[u8], &str); 17] = [
     (b"blender", "a scene of Blender: export OBJ, PLY or glTF from Blender"),
     (b"<collada", "COLLADA: export OBJ, PLY or glTF, for example from Blender"),
     (b"<x3d", "X3D: export OBJ, PLY or glTF, for example from MeshLab"),
+    (b"#x3d", "X3D: export OBJ, PLY or glTF, for example from MeshLab"),
     (b"#vrml", "VRML: export OBJ, PLY or glTF, for example from MeshLab"),
+    (b"octm", "OpenCTM: export OBJ, PLY or glTF, for example from MeshLab"),
+    (b"draco", "Draco: `draco_decoder -i FILE -o mesh.ply` converts"),
+    (b"<amf", "AMF: export 3MF or STL, for example from PrusaSlicer"),
+    (b"<xdmf", "XDMF: save the surface as .vtp from ParaView, or `meshio convert FILE mesh.vtu`"),
+    (b"<dolfin", "XML of DOLFIN: `meshio convert --input-format dolfin-xml FILE mesh.vtu`"),
+    (b"(0 \"", "Fluent: `meshio convert --input-format ansys FILE mesh.vtu`"),
+    (b"(1 \"", "Fluent: `meshio convert --input-format ansys FILE mesh.vtu`"),
     (b"iso-10303-21", "STEP: export STL or glTF from the CAD program"),
+    (b"dbrep_drawableshape", "BREP: export STL or glTF from the CAD program"),
+    (b"cascade topology", "BREP: export STL or glTF from the CAD program"),
+    (b"title = \"", "Tecplot: `meshio convert --input-format tecplot FILE mesh.vtu`"),
     (b"#usda", "USD: export OBJ, PLY or glTF, for example from Blender"),
     (b"pxr-usdc", "USD: export OBJ, PLY or glTF, for example from Blender"),
-    (b"\x89hdf", "HDF5, which may hold a table but no mesh in a known way"),
+    (
+        b"\x89hdf",
+        "HDF5: a table, or a mesh of VTKHDF, CGNS or MED, of which ParaView or Gmsh saves the \
+         surface as .vtp or .msh",
+    ),
     (b"\x93numpy", "an array of NumPy: a table, not a mesh"),
     (b"\x89png", "a picture"),
     (b"\xff\xd8\xff", "a picture"),
     (b"%pdf", "a PDF document"),
 ];
 
+/// Beginnings of a line among the first ones of files of other formats, which comments and options
+/// may come before: in lower case, what they seem to be, and what helps.
+const OTHER_LINES: [(&[u8], &str); 10] = [
+    // LS-DYNA has sections of Abaqus's names, after this one.
+    (b"*keyword", "LS-DYNA: export STL from LS-PrePost"),
+    (b"*heading", ABAQUS),
+    (b"*node", ABAQUS),
+    (b"begin bulk", NASTRAN),
+    (b"grid,", NASTRAN),
+    (b"grid*", NASTRAN),
+    (b"grid  ", NASTRAN),
+    (b"meshversionformatted", "Medit: `meshio convert --input-format medit FILE mesh.vtu`"),
+    (b"ndime=", "SU2: `meshio convert --input-format su2 FILE mesh.vtu`"),
+    (b"mesh3d", "Netgen: `meshio convert --input-format netgen FILE mesh.vtu`"),
+];
+const ABAQUS: &str = "Abaqus: `meshio convert --input-format abaqus FILE mesh.vtu`";
+const NASTRAN: &str = "Nastran: `gmsh FILE.bdf -save -format msh41 -o mesh.msh` converts";
+
 /// Returns what a file that fits no format seems to be, and what helps, where that is known.
 pub(super) fn other(bytes: &[u8]) -> Option<&'static str> {
+    if bytes.starts_with(b"MM") && bytes.get(6..8).is_some_and(|kind| kind == b"\x02\0") {
+        return Some("3DS: export OBJ, PLY or glTF, for example from MeshLab");
+    }
+    // Lines of IGES have 80 columns, of which the last tell the section and count.
+    if bytes.get(72) == Some(&b'S') && bytes.get(79) == Some(&b'1') {
+        return Some("IGES: export STL or glTF from the CAD program");
+    }
     let head = Head::new(bytes, None).bytes.trim_ascii_start();
     let head = head[..head.len().min(1 << 10)].to_ascii_lowercase();
     let is_xml = head.starts_with(b"<?xml") || head.starts_with(b"<!--");
@@ -174,5 +214,10 @@ pub(super) fn other(bytes: &[u8]) -> Option<&'static str> {
         let within = || head.windows(start.len()).any(|window| window == start);
         head.starts_with(start) || (is_xml && start.starts_with(b"<") && within())
     };
-    OTHERS.iter().find(|(start, _)| begins(start)).map(|(_, what)| *what)
+    let line_begins = |start: &[u8]| {
+        head.split(|&byte| byte == b'\n').any(|line| line.trim_ascii_start().starts_with(start))
+    };
+    let found = OTHERS.iter().find(|(start, _)| begins(start));
+    let found = found.or_else(|| OTHER_LINES.iter().find(|(start, _)| line_begins(start)));
+    found.map(|(_, what)| *what)
 }

@@ -33,7 +33,7 @@ pub enum MeshFormat {
     Gifti,
     /// Surfaces of FreeSurfer; only read.
     FreeSurfer,
-    /// Gmsh's MSH, versions 2 and 4.1; only read.
+    /// Gmsh's MSH; only read.
     Gmsh,
     /// 3MF; written in millimetres.
     ThreeMf,

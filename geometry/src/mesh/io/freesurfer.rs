@@ -1,5 +1,6 @@
 //! FreeSurfer: surfaces of brains (`.white`, `.pial` and others), values of their vertices
-//! (`.curv`, `.thickness` and others) and labels of their vertices (`.annot`); all big endian.
+//! (`.curv`, `.thickness` and others) and labels of their vertices (`.annot`), all big endian;
+//! surfaces in text (`.asc`), too.
 //!
 //! Formats: "Surface files", "Curv files" and "Label and annotation files" (FreeSurfer wiki,
 //! FileFormats).
@@ -21,9 +22,12 @@ const TRIANGLES: &[u8] = b"\xff\xff\xfe";
 const QUADS: &[u8] = b"\xff\xff\xfd";
 const OLD_QUADS: &[u8] = b"\xff\xff\xff";
 
+/// The beginning of surfaces in text, as `mris_convert` writes them (`.asc`).
+const TEXT: &[u8] = b"#!ascii";
+
 /// Returns whether a file that begins so has a surface or values of vertices.
 pub(super) fn begins(head: &[u8]) -> bool {
-    [TRIANGLES, QUADS, OLD_QUADS].iter().any(|magic| head.starts_with(magic))
+    [TRIANGLES, QUADS, OLD_QUADS, TEXT].iter().any(|magic| head.starts_with(magic))
 }
 
 pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
@@ -59,6 +63,9 @@ fn short(bytes: &[u8]) -> f64 {
 }
 
 fn surface(cursor: &mut Cursor<'_>) -> Checked<Dataset> {
+    if cursor.rest().starts_with(TEXT) {
+        return text_surface(cursor);
+    }
     let mut dataset = Dataset::default();
     let magic = cursor.bytes(3, "the header")?;
     if magic == TRIANGLES {
@@ -113,6 +120,34 @@ fn surface(cursor: &mut Cursor<'_>) -> Checked<Dataset> {
     Ok(dataset)
 }
 
+/// Reads a surface in text: who made it, the numbers of vertices and faces, and rows of three
+/// numbers and a mark of what was cut away.
+fn text_surface(cursor: &mut Cursor<'_>) -> Checked<Dataset> {
+    let mut dataset = Dataset::default();
+    cursor.line();
+    let vertices = cursor.count("the number of vertices")?;
+    let faces = cursor.count("the number of faces")?;
+    let mut marked = 0;
+    let mut rows = |count: usize, what: &str| -> Checked<Vec<f64>> {
+        let mut values = roomy(count.saturating_mul(3));
+        for i in 0..count {
+            for _ in 0..3 {
+                let number = cursor.number(format_args!("{what} {i} of {count}"))?;
+                push(&mut values, number)?;
+            }
+            marked += usize::from(cursor.number("the mark of a row")? != 0.0);
+        }
+        Ok(values)
+    };
+    dataset.points(&rows(vertices, "vertex")?)?;
+    let corners = rows(faces, "face")?;
+    let what = "took vertices and faces that the file marks as cut away";
+    dataset.draft.notes.add_many(what, marked, String::new);
+    let ends: Vec<f64> = (1..=faces).map(|i| (3 * i) as f64).collect();
+    dataset.cells(&corners, &ends, 0, |_| Ok(cell::TRIANGLE))?;
+    Ok(dataset)
+}
+
 /// Returns whether what follows the first three bytes is a header of values of vertices, and as
 /// many values.
 fn is_values(rest: &[u8]) -> bool {
@@ -126,7 +161,7 @@ fn is_values(rest: &[u8]) -> bool {
 
 fn values_of_vertices(cursor: &mut Cursor<'_>) -> Checked<Vec<f64>> {
     let magic = cursor.bytes(3, "the header")?;
-    if magic == TRIANGLES || magic == QUADS {
+    if magic == TRIANGLES || magic == QUADS || TEXT.starts_with(magic) {
         return Err("is a surface, without values of its vertices".into());
     }
     if magic != OLD_QUADS {

@@ -10,6 +10,7 @@ use flate2::Compression;
 use flate2::write::ZlibEncoder;
 
 use super::attributes::{Attribute, MeshFile, Scalars};
+use super::beside::beside;
 use super::dataset::{Array, Dataset, Role, cell};
 use super::draft::Checked;
 use super::rounding::Rounding;
@@ -48,6 +49,9 @@ struct Raw<'a> {
     by_columns: bool,
     is_big: bool,
     encoding: String,
+    /// The name of the file that has the numbers, and the byte where they begin there.
+    file: String,
+    start: u64,
     data: &'a [u8],
     /// Whether a matrix takes the points to another space.
     is_moved: bool,
@@ -173,6 +177,11 @@ impl<'a> Raw<'a> {
             ),
             is_big: matches!(tag.get("Endian").as_deref(), Some("BigEndian" | "GIFTI_ENDIAN_BIG")),
             encoding: tag.need("Encoding")?.into_owned(),
+            file: tag.get("ExternalFileName").unwrap_or_default().into_owned(),
+            start: match tag.get("ExternalFileOffset").as_deref().map(str::trim) {
+                None | Some("") => 0,
+                Some(start) => count(start.as_bytes())? as u64,
+            },
             data: b"",
             is_moved: false,
         })
@@ -195,7 +204,10 @@ impl<'a> Raw<'a> {
                 self.kind.numbers(&bytes, self.is_big)?
             }
             "ExternalFileBinary" | "GIFTI_ENCODING_EXTBIN" => {
-                return Err("its numbers are in another file, which is not supported".into());
+                let length = size.saturating_mul(self.kind.size());
+                budget.take(length)?;
+                let bytes = beside(&self.file, budget.path(), self.start, length)?;
+                self.kind.numbers(&bytes, self.is_big)?
             }
             other => return Err(format!("unknown Encoding {other:?}").into()),
         };

@@ -1,4 +1,5 @@
-//! Gmsh `.msh`, versions 2 and 4.1, text and binary: faces, and values of nodes.
+//! Gmsh `.msh`: faces, and values of nodes. Versions 2 and 4.1 in text and binary, 1 and 4.0 in
+//! text.
 //!
 //! Format: "Gmsh reference manual", chapter "File formats".
 
@@ -35,8 +36,18 @@ const MOST_VALUES: usize = 9;
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Version {
+    One,
     Two,
+    /// Version 4.0, whose rows begin with the number of the entity or node.
+    FourZero,
     Four,
+}
+
+impl Version {
+    /// Whether nodes and elements are in blocks.
+    fn has_blocks(self) -> bool {
+        matches!(self, Self::FourZero | Self::Four)
+    }
 }
 
 /// Returns the number of nodes of an element of this type, and the type of the cell that it is;
@@ -90,11 +101,14 @@ impl Reader<'_, '_> {
                     self.format()?;
                     has_format = true;
                 }
-                _ if !has_format => {
-                    return Err("version 1 of the format, or no $MeshFormat: save as 2 or 4".into());
+                b"NOD" if !has_format => {
+                    self.version = Version::One;
+                    has_format = true;
+                    self.nodes()?;
                 }
+                _ if !has_format => return Err("has no $MeshFormat before other sections".into()),
                 b"Nodes" => self.nodes()?,
-                b"Elements" => self.elements()?,
+                b"Elements" | b"ELM" => self.elements()?,
                 b"NodeData" => match self.node_data() {
                     Err(Fault::What(what)) => {
                         let cursor = &self.cursor;
@@ -122,7 +136,11 @@ impl Reader<'_, '_> {
         let rest = self.cursor.rest();
         // Its first byte is rare in numbers, too.
         let mut starts = rest.iter().enumerate().filter(|(_, byte)| **byte == b'$');
-        let Some((at, _)) = starts.find(|(at, _)| rest[*at..].starts_with(&end)) else {
+        // Version 1 has capitals.
+        let ends = |at: usize| {
+            rest[at..].get(..end.len()).is_some_and(|own| own.eq_ignore_ascii_case(&end))
+        };
+        let Some((at, _)) = starts.find(|(at, _)| ends(*at)) else {
             let end = String::from_utf8_lossy(&end).into_owned();
             return Err(format!("truncated: the file ends before {end}").into());
         };
@@ -136,12 +154,13 @@ impl Reader<'_, '_> {
         self.version = match version {
             _ if version.starts_with(b"2") => Version::Two,
             b"4.1" => Version::Four,
-            _ => {
-                let version = quoted(version);
-                return Err(format!("version {version}, where 2.2 or 4.1 is supported").into());
-            }
+            b"4" | b"4.0" => Version::FourZero,
+            _ => return Err(not_supported(&quoted(version))),
         };
         let is_binary = self.cursor.count(what)? == 1;
+        if is_binary && self.version == Version::FourZero {
+            return Err(not_supported("4.0 in binary"));
+        }
         if self.cursor.count(what)? != 8 {
             return Err("numbers are not of 8 bytes".into());
         }
@@ -189,7 +208,7 @@ impl Reader<'_, '_> {
 
     fn nodes(&mut self) -> Checked<()> {
         const WHAT: &str = "the nodes";
-        if self.version == Version::Two {
+        if !self.version.has_blocks() {
             let count = self.counted(WHAT)?;
             for _ in 0..count {
                 let number = self.number(Kind::I32, WHAT)?;
@@ -198,11 +217,9 @@ impl Reader<'_, '_> {
             }
             return Ok(());
         }
-        let head = self.numbers(4, Kind::U64, WHAT)?;
-        for _ in 0..whole(head[0])? {
+        for _ in 0..self.blocks(WHAT)? {
             let [dimension, _, parametric] = self.block()?;
             let count = self.count(Kind::U64, WHAT)?;
-            let numbers = self.numbers(count, Kind::U64, WHAT)?;
             let parameters = if parametric == 0.0 { 0 } else { whole(dimension)? };
             if parameters > 3 {
                 return Err(
@@ -210,6 +227,14 @@ impl Reader<'_, '_> {
                 );
             }
             let width = 3 + parameters;
+            if self.version == Version::FourZero {
+                for _ in 0..count {
+                    let row = self.numbers(1 + width, Kind::F64, WHAT)?;
+                    self.node(row[0], &row[1..4])?;
+                }
+                continue;
+            }
+            let numbers = self.numbers(count, Kind::U64, WHAT)?;
             let values = self.numbers(count.saturating_mul(width), Kind::F64, WHAT)?;
             for (number, position) in numbers.into_iter().zip(values.chunks_exact(width)) {
                 self.node(number, &position[..3])?;
@@ -218,21 +243,28 @@ impl Reader<'_, '_> {
         Ok(())
     }
 
-    /// Returns the three integers that begin a block of version 4.
+    /// Returns the number of blocks of a section of version 4.
+    fn blocks(&mut self, what: &str) -> Checked<usize> {
+        let numbers = if self.version == Version::FourZero { 2 } else { 4 };
+        whole(self.numbers(numbers, Kind::U64, what)?[0])
+    }
+
+    /// Returns the three integers that begin a block of version 4, the dimension of its entity
+    /// first, or of elements in binary version 2.
     fn block(&mut self) -> Checked<[f64; 3]> {
         let what = "the head of a block";
-        Ok([
+        let [a, b, c] = [
             self.number(Kind::I32, what)?,
             self.number(Kind::I32, what)?,
             self.number(Kind::I32, what)?,
-        ])
+        ];
+        Ok(if self.version == Version::FourZero { [b, a, c] } else { [a, b, c] })
     }
 
     fn elements(&mut self) -> Checked<()> {
         const WHAT: &str = "the elements";
-        if self.version == Version::Four {
-            let head = self.numbers(4, Kind::U64, WHAT)?;
-            for _ in 0..whole(head[0])? {
+        if self.version.has_blocks() {
+            for _ in 0..self.blocks(WHAT)? {
                 let [_, _, kind] = self.block()?;
                 let count = self.count(Kind::U64, WHAT)?;
                 let (nodes, cell) = known(kind)?;
@@ -249,6 +281,16 @@ impl Reader<'_, '_> {
             if self.stored.is_none() {
                 self.number(Kind::I32, WHAT)?;
                 let (nodes, cell) = known(self.number(Kind::I32, WHAT)?)?;
+                if self.version == Version::One {
+                    // Two regions and the number of nodes.
+                    let row = self.numbers(3 + nodes, Kind::I32, WHAT)?;
+                    if row[2] != nodes as f64 {
+                        let i = self.cells;
+                        return Err(format!("element {i}: {} nodes, not {nodes}", row[2]).into());
+                    }
+                    self.element(cell, &row[3..])?;
+                    continue;
+                }
                 let tags = self.count(Kind::I32, WHAT)?;
                 let row = self.numbers(tags.saturating_add(nodes), Kind::I32, WHAT)?;
                 self.element(cell, &row[tags..])?;
@@ -323,6 +365,13 @@ impl Reader<'_, '_> {
         let array = Array::named(name.unwrap_or_default(), width, values, Kind::F64)?;
         Ok(push(&mut self.dataset.arrays, array)?)
     }
+}
+
+/// Returns the error about a version of the format.
+fn not_supported(version: &str) -> Fault {
+    let what = "where 2 and 4.1, and 1 and 4.0 in text, are supported: `gmsh OLD.msh -save -format \
+                msh41 -o NEW.msh` converts";
+    format!("version {version}, {what}").into()
 }
 
 /// Returns the number of nodes and the cell of a type of elements.

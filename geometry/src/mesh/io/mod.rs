@@ -12,6 +12,7 @@
 //! file appears when it is complete, or not at all ([`Output`]).
 
 mod attributes;
+mod beside;
 mod colors;
 mod cursor;
 mod dataset;
@@ -70,7 +71,8 @@ use catamaran::io::{Output, Packing, Source, SourceOptions};
 ///   coordinates and normals that the file lacks, are skipped.
 /// - `.ply`: ASCII and both binary encodings, properties of any type in any order; faces and
 ///   triangle strips. Elements of other names, and what the header does not announce, are skipped.
-/// - `.off`: with the prefixes ST, C, N, 4 and n; comments; lines may end anywhere.
+/// - `.off`: with the prefixes ST, C, N, 4 and n, or without a keyword; comments; lines may end
+///   anywhere.
 /// - `.stl`: binary and text. Vertices with equal coordinates become one. Where the header of a
 ///   binary file has no number of facets, its size decides.
 /// - `.glb`, `.gltf`: the triangles of the scene, at the places of its nodes and their instances,
@@ -78,10 +80,12 @@ use catamaran::io::{Output, Packing, Source, SourceOptions};
 ///   mesh with equal positions and colours become one. An extension that a file requires is
 ///   supported or an error.
 /// - `.vtk`, `.vtp`, `.vtu`: the faces of polygons and unstructured grids, and the values of their
-///   points; text, binary, and XML packed by zlib.
+///   points; text, binary, and XML packed by zlib or LZ4.
 /// - `.gii`: points, triangles and values of vertices (GIFTI).
-/// - `.white`, `.pial` and others: surfaces of FreeSurfer, of triangles and of quadrilaterals.
-/// - `.msh`: the faces of Gmsh's versions 2 and 4.1, text and binary, and values of nodes.
+/// - `.white`, `.pial` and others: surfaces of FreeSurfer, of triangles and of quadrilaterals, also
+///   as text (`.asc`).
+/// - `.msh`: the faces of Gmsh's versions 2 and 4.1, text and binary, and of 1 and 4.0 as text, and
+///   values of nodes.
 /// - `.3mf`: the objects of the build in their places, in millimetres.
 ///
 /// What is left out or replaced is in [`MeshFile::notes`].
@@ -157,6 +161,12 @@ pub fn read_with(path: &Path, options: &SourceOptions<'_>) -> Result<MeshFile> {
         (None, Some(found)) => {
             notes.push(format!("read as {}, the format of its content", found.title()));
             found
+        }
+        (None, None) if names_values(&MeshFormat::ending(path)) => {
+            let what = "has values of vertices by its name, but no surface: read the file of the \
+                        surface, and this one as its functions (read_scalars, or filter \
+                        --functions)";
+            return Err(Error::file(path, what));
         }
         (None, None) => {
             let (known, read) = (formats::titles(), MeshFormat::readable());
@@ -312,14 +322,18 @@ fn detected<'a>(
 pub fn holds_scalars(path: &Path) -> bool {
     let ending = MeshFormat::ending(path);
     let mesh = matches!(&ending[..], "gii" | "vtk" | "vtp" | "vtu" | "msh");
-    let freesurfer = matches!(
-        &ending[..],
-        "annot" | "area" | "avg_curv" | "curv" | "mgh" | "mgz" | "sulc" | "thickness" | "volume"
-    );
     // What is read from a pipe is gone.
     let by_content =
         || path.is_file() && matches!(detected(path, &SourceOptions::new()), Ok((_, Some(_))));
-    mesh || freesurfer || by_content()
+    mesh || names_values(&ending) || by_content()
+}
+
+/// Returns whether files whose names end so are values of vertices, of FreeSurfer.
+fn names_values(ending: &str) -> bool {
+    matches!(
+        ending,
+        "annot" | "area" | "avg_curv" | "curv" | "mgh" | "mgz" | "sulc" | "thickness" | "volume"
+    )
 }
 
 /// Writes `file` into `output` in the format that its name implies; the file appears when it is

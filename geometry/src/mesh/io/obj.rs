@@ -50,9 +50,8 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
     loop {
         let number = source.line() + 1;
         let Some(line) = source.next_bytes()? else { break };
-        // A line that ends in a backslash continues on the next line.
-        let read = match (line.split_last(), joined.is_empty()) {
-            (Some((b'\\', start)), _) => {
+        let read = match (continued(line), joined.is_empty()) {
+            (Some(start), _) => {
                 let room = joined.try_reserve(start.len() + 1);
                 joined.extend_from_slice(start);
                 joined.push(b' ');
@@ -73,7 +72,17 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
         };
         read.map_err(|fault| fault.at(source))?;
     }
+    // The last line may continue on none.
+    let read = reader.statement(&joined, source.line());
+    read.map_err(|fault| fault.at(source))?;
     reader.finish(source)
+}
+
+/// Returns a line that continues on the next one, without the backslash at its end, which blanks
+/// may follow. A comment does not continue: the name of a folder may end it.
+fn continued(line: &[u8]) -> Option<&[u8]> {
+    let start = line.trim_ascii_end().strip_suffix(b"\\")?;
+    (uncommented(start).len() == start.len()).then_some(start)
 }
 
 #[derive(Default)]

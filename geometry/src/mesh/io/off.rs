@@ -89,6 +89,9 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
 /// Returns what the first word of a file says of the vertices, if the file is OFF, and the number
 /// of digits after OFF: some programs write the number of vertices without a blank before it.
 pub(super) fn kind_of(word: &[u8]) -> Option<(Kind, usize)> {
+    if word == b"off" {
+        return Some((Kind::default(), 0));
+    }
     let end = word.windows(3).position(|part| part == b"OFF")?;
     let (mut prefix, digits) = (&word[..end], &word[end + 3..]);
     let mut kind = Kind::default();
@@ -144,13 +147,20 @@ struct Reader {
 impl Reader {
     fn read(tokens: &mut Tokens<'_, '_>) -> Checked<Self> {
         let header = tokens.next("header")?;
-        let Some((kind, digits)) = kind_of(header) else {
-            let what = format!("{} is not OFF with prefixes ST, C, N, 4, n", quoted(header));
-            return Err(what.into());
+        // The keyword may be missing: then the counts come first.
+        let has_keyword = !header.iter().all(u8::is_ascii_digit);
+        let (kind, digits) = match kind_of(header) {
+            Some(found) => found,
+            None if !has_keyword => (Kind::default(), header.len()),
+            None => {
+                let what = format!("{} is not OFF with prefixes ST, C, N, 4, n", quoted(header));
+                return Err(what.into());
+            }
         };
         tokens.taken -= digits;
         if words(tokens.rest()).next() == Some(b"BINARY") {
-            return Err("binary OFF files are not supported".into());
+            let what = "binary OFF is not read: save it as text (OFF), or as binary PLY";
+            return Err(what.into());
         }
         let dimensions =
             if kind.dimensions { count(tokens.next("number of coordinates")?)? } else { 3 };
@@ -158,6 +168,11 @@ impl Reader {
             return Err("vertices without coordinates".into());
         }
         let mut reader = Self { kind, dimensions, ..Self::default() };
+        if !has_keyword {
+            let line = tokens.source.line();
+            let what = "took OFF for the keyword, which is missing";
+            reader.draft.notes.add(what, || format!("line {line}"));
+        }
         let [vertices, faces] = counts(tokens)?;
         // No vertex of three coordinates is alone on this line.
         if tokens.left() == 1 && dimensions > 2 {
@@ -170,11 +185,17 @@ impl Reader {
             reader.vertex(tokens, &format_args!("vertex {v} of {vertices}"))?;
         }
         reader.draft.faces = roomy(faces);
+        let shared = reader.packed && kind.colors;
         reader.packed = false;
         for f in 0..faces {
             reader.face(tokens, &format_args!("face {f} of {faces}"))?;
         }
         while tokens.next_line()? {
+            if shared {
+                let what = "numbers follow the last face: where vertices share a line, their \
+                            colours have 3 numbers";
+                return Err(what.into());
+            }
             let line = tokens.source.line();
             reader.draft.notes.add("left out lines after the last face", || format!("line {line}"));
             tokens.taken = tokens.line.len();

@@ -1,6 +1,7 @@
 //! Stereolithography STL (3D Systems 1988), binary and text.
 
 use std::io::{self, BufRead, Read, Write};
+use std::iter::Peekable;
 
 use super::super::TriMesh;
 use super::attributes::MeshFile;
@@ -129,7 +130,7 @@ fn text(source: &mut Source<'_>, soup: &mut Soup) -> Result<()> {
     loop {
         let number = source.line() + 1;
         let Some(line) = source.next_bytes()? else { break };
-        text.statement(line, number, soup).map_err(|fault| fault.at(source))?;
+        text.line(line, number, soup).map_err(|fault| fault.at(source))?;
     }
     let Text { in_solid, in_facet, is_stl, unknown, .. } = text;
     match unknown {
@@ -147,22 +148,73 @@ fn text(source: &mut Source<'_>, soup: &mut Soup) -> Result<()> {
     }
 }
 
+/// Skips the words before the next statement in a facet, and returns whether there were any.
+fn skip_to_statement<'a>(words: &mut Peekable<impl Iterator<Item = &'a [u8]>>) -> bool {
+    const STATEMENTS: [&[u8]; 4] = [b"outer", b"vertex", b"endloop", b"endfacet"];
+    let is_other = |word: &&[u8]| !STATEMENTS.iter().any(|s| s.eq_ignore_ascii_case(word));
+    let mut any = false;
+    while words.next_if(is_other).is_some() {
+        any = true;
+    }
+    any
+}
+
+/// Skips the name of a solid: up to the end of the line, or a facet with its normal.
+fn skip_name<'a>(words: &mut Peekable<impl Iterator<Item = &'a [u8]> + Clone>) {
+    loop {
+        let mut ahead = words.clone();
+        let is = |word: Option<&[u8]>, known: &str| {
+            word.is_some_and(|word| word.eq_ignore_ascii_case(known.as_bytes()))
+        };
+        let begins_facet = is(ahead.next(), "facet") && is(ahead.next(), "normal");
+        if begins_facet || words.next().is_none() {
+            return;
+        }
+    }
+}
+
 impl Text {
-    fn statement(&mut self, line: &[u8], line_number: usize, soup: &mut Soup) -> Checked<()> {
-        let mut words = words(line);
+    /// Reads the statements of a line: most programs write one.
+    fn line(&mut self, line: &[u8], number: usize, soup: &mut Soup) -> Checked<()> {
+        let mut words = words(line).peekable();
+        while words.peek().is_some() {
+            self.statement(&mut words, number, soup)?;
+        }
+        Ok(())
+    }
+
+    fn statement<'a>(
+        &mut self,
+        words: &mut Peekable<impl Iterator<Item = &'a [u8]> + Clone>,
+        line_number: usize,
+        soup: &mut Soup,
+    ) -> Checked<()> {
         let Some(keyword) = words.next() else { return Ok(()) };
         let place = || format!("line {line_number}");
         match keyword.to_ascii_lowercase().as_slice() {
-            b"solid" if !self.in_facet => self.in_solid = true,
-            b"endsolid" if !self.in_facet => self.in_solid = false,
-            b"facet" if !self.in_facet => self.in_facet = true,
-            b"outer" | b"endloop" if self.in_facet => {}
+            b"solid" if !self.in_facet => {
+                self.in_solid = true;
+                skip_name(words);
+            }
+            b"endsolid" if !self.in_facet => {
+                self.in_solid = false;
+                // The name of the next solid may follow in the line.
+                skip_name(words);
+                self.in_solid |= words.peek().is_some();
+            }
+            b"facet" if !self.in_facet => {
+                self.in_facet = true;
+                skip_to_statement(words);
+            }
+            b"outer" | b"endloop" if self.in_facet => {
+                skip_to_statement(words);
+            }
             b"vertex" if self.in_facet => {
                 if self.corners.len() == 3 {
                     return Err("a facet has more than three vertices".into());
                 }
-                self.corners.push(super::text::numbers(&mut words)?);
-                if words.next().is_some() {
+                self.corners.push(super::text::numbers(words)?);
+                if skip_to_statement(words) {
                     let what = "left out words after the three numbers of vertices";
                     soup.draft.notes.add(what, place);
                 }
@@ -184,6 +236,7 @@ impl Text {
                 soup.draft.notes.add("skipped lines that are not of STL", || {
                     format!("line {line_number} ({})", quoted(keyword))
                 });
+                words.for_each(drop);
                 return Ok(());
             }
         }

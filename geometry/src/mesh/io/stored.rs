@@ -1,6 +1,7 @@
 //! Numbers and streams as binary files and XML files store them.
 
 use std::io::Read;
+use std::path::Path;
 
 use base64::Engine;
 use base64::alphabet::STANDARD;
@@ -9,7 +10,7 @@ use flate2::bufread::{GzDecoder, ZlibDecoder};
 
 use super::draft::{Checked, Fault, roomy};
 use super::text::{number, words};
-use catamaran::base::{push, reserved};
+use catamaran::base::{Error, push, reserved};
 use catamaran::io::Source;
 
 /// The type of stored numbers.
@@ -144,6 +145,11 @@ impl<'s, 'a> Budget<'s, 'a> {
         Self { source, taken: 0 }
     }
 
+    /// Returns the path of the file.
+    pub fn path(&self) -> &Path {
+        self.source.path()
+    }
+
     /// Takes more bytes, or returns an error that says how many the file would take.
     pub fn take(&mut self, bytes: usize) -> Checked<()> {
         self.taken = self.taken.saturating_add(bytes);
@@ -153,6 +159,23 @@ impl<'s, 'a> Budget<'s, 'a> {
     /// Takes the memory of so many numbers.
     pub fn take_numbers(&mut self, count: usize) -> Checked<()> {
         self.take(count.saturating_mul(size_of::<f64>()))
+    }
+
+    /// Appends to `out` what a block of LZ4 unpacks to, which is `size` bytes.
+    pub fn lz4(&mut self, packed: &[u8], size: usize, out: &mut Vec<u8>) -> Checked<()> {
+        self.take(size)?;
+        // A byte of a block unpacks to 255 at most: a wrong size takes no memory.
+        if size / 255 > packed.len() {
+            return Err(format!("{} bytes of LZ4 do not unpack to {size}", packed.len()).into());
+        }
+        let before = out.len();
+        out.try_reserve(size).map_err(|_| Error::OutOfMemory { bytes: size })?;
+        out.resize(before + size, 0);
+        let unpacked = lz4_flex::block::decompress_into(packed, &mut out[before..]);
+        match unpacked.map_err(|e| Fault::from(format!("can't be unpacked: {e}")))? {
+            unpacked if unpacked == size => Ok(()),
+            unpacked => Err(format!("unpacks to {unpacked} of {size} bytes").into()),
+        }
     }
 
     /// Appends to `out` what a stream of zlib or gzip unpacks to, which is `size` bytes.

@@ -47,7 +47,7 @@ pub(super) fn returns_to_feeds(bytes: &mut [u8]) {
 }
 
 /// Returns the words of a line.
-pub(super) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+pub(super) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> + Clone {
     line.split(|byte| byte.is_ascii_whitespace()).filter(|word| !word.is_empty())
 }
 
@@ -70,12 +70,26 @@ pub(super) fn uncommented(line: &[u8]) -> &[u8] {
 }
 
 /// Parses a floating-point number, including the forms in which C libraries print numbers that are
-/// not finite, such as `-nan(ind)` and `1.#QNAN`.
+/// not finite, such as `-nan(ind)` and `1.#QNAN`, and the exponents of Fortran, as in `1.5D-3`.
 pub(super) fn number(word: &[u8]) -> Checked<f64> {
     let parsed = std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
-    parsed
-        .or_else(|| not_a_number(word))
-        .ok_or_else(|| format!("{} is not a number", quoted(word)).into())
+    parsed.or_else(|| not_a_number(word)).or_else(|| with(word, b"dD", b'e')).ok_or_else(|| {
+        let has_comma = with(word, b",", b'.').is_some();
+        let why = if has_comma { ": it needs a point in place of the comma" } else { "" };
+        format!("{} is not a number{why}", quoted(word)).into()
+    })
+}
+
+/// Returns the number of a word in which `mark` stands in place of one of the bytes `marks`, after
+/// a digit or a point.
+fn with(word: &[u8], marks: &[u8], mark: u8) -> Option<f64> {
+    let at = word.iter().position(|byte| marks.contains(byte))?;
+    if !word[..at].last().is_some_and(|byte| byte.is_ascii_digit() || *byte == b'.') {
+        return None;
+    }
+    let mut word = word.to_vec();
+    word[at] = mark;
+    std::str::from_utf8(&word).ok()?.parse().ok()
 }
 
 fn not_a_number(word: &[u8]) -> Option<f64> {

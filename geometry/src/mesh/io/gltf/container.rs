@@ -2,12 +2,11 @@
 //! separate files.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::Read;
-use std::path::{Component, Path};
+use std::path::Path;
 
 use serde_json::Value;
 
+use super::super::beside::beside;
 use super::super::draft::{Checked, Fault};
 use super::super::stored::from_base64;
 use super::super::text::without_mark;
@@ -116,6 +115,9 @@ fn unpack(view: &View, packed: &Packed, buffers: &[Vec<u8>]) -> Checked<Vec<u8>>
 
 /// Returns the error about a version that is not supported.
 fn other_version(version: &str) -> Option<Fault> {
+    if version.is_empty() {
+        return Some("JSON, but not of glTF: it has no asset with a version".into());
+    }
     let what = format!("version {version:?} of glTF is not supported, must be 2.0: export it anew");
     (!version.starts_with("2.")).then_some(what.into())
 }
@@ -167,7 +169,10 @@ fn load(
         },
         Some(uri) => match uri.strip_prefix("data:") {
             Some(data) => embedded(data)?,
-            None => beside(uri, path, length)?,
+            None => {
+                let name = unescaped(uri).ok_or_else(|| format!("broken URI {uri:?}"))?;
+                beside(&name, path, 0, length)?
+            }
         },
     };
     if bytes.len() < length {
@@ -181,25 +186,6 @@ fn load(
 fn embedded(data: &str) -> Checked<Vec<u8>> {
     let (_, text) = data.split_once(";base64,").ok_or("a data URI that is not in base64")?;
     from_base64(text.as_bytes())
-}
-
-/// Returns up to `length` bytes of the file that a URI names.
-fn beside(uri: &str, path: &Path, length: usize) -> Checked<Vec<u8>> {
-    let name = unescaped(uri).ok_or_else(|| format!("broken URI {uri:?}"))?;
-    let relative = Path::new(&name);
-    let inside = |part: Component<'_>| matches!(part, Component::Normal(_) | Component::CurDir);
-    if name.contains(':') || !relative.components().all(inside) {
-        return Err(format!("{uri:?} is not the name of a file beside this one").into());
-    }
-    let full = path.parent().unwrap_or(Path::new("")).join(relative);
-    let failed = |e: std::io::Error| Fault::from(format!("{}: {e}", full.display()));
-    let file = File::open(&full).map_err(failed)?;
-    if !file.metadata().map_err(failed)?.is_file() {
-        return Err(format!("{}: not a file", full.display()).into());
-    }
-    let mut bytes = Vec::new();
-    file.take(length as u64).read_to_end(&mut bytes).map_err(failed)?;
-    Ok(bytes)
 }
 
 /// Returns a URI with its escapes, such as %20, replaced.

@@ -38,7 +38,10 @@ pub(super) fn check_required(document: &Document) -> Checked<()> {
 /// Returns the error about a file that can't be read without an extension.
 pub(super) fn unsupported(name: &str) -> Fault {
     match COMPRESSION.contains(&name) {
-        true => format!("compressed by the extension {name}, which is not supported").into(),
+        true => {
+            let what = format!("compressed by the extension {name}, which is not supported");
+            format!("{what}: import it into Blender, and export without compression").into()
+        }
         false => format!("requires the extension {name}, which is not supported").into(),
     }
 }

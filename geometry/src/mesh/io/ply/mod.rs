@@ -29,6 +29,13 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
             "tristrips" => reader.strips(element, &mut rows),
             _ => rows.skip(),
         };
+        if !matches!(element.name.as_str(), "vertex" | "face" | "tristrips")
+            && element.list(Name::Corners).is_some()
+        {
+            // Such as grids of scanners.
+            let what = "left out elements of vertices that are no faces";
+            reader.draft.notes.add_many(what, element.count, || element.name.clone());
+        }
         let (longer, first) = rows.longer;
         read.map_err(|fault| fault.at(source))?;
         let what = "left out numbers after those that the header declares, in lines";
@@ -234,7 +241,9 @@ fn vertex_number(number: f64) -> Checked<u32> {
 /// is empty and has no such list.
 fn list_of_corners(element: &Element, what: &str) -> Checked<Option<usize>> {
     match element.list(Name::Corners) {
-        None if element.count > 0 => Err(format!("{what} have no list vertex_indices").into()),
+        None if element.count > 0 => {
+            Err(format!("{what} have no list vertex_indices or vertex_index").into())
+        }
         found => Ok(found),
     }
 }

@@ -2,7 +2,7 @@
 
 use super::super::attributes::MeshFile;
 use super::super::cursor::Cursor;
-use super::super::dataset::{Array, Dataset, Role, cell};
+use super::super::dataset::{Array, Dataset, Role, cell, not_a_surface};
 use super::super::draft::Checked;
 use super::super::stored::{Kind, whole};
 use super::super::text::{count, quoted, without_mark, words};
@@ -58,7 +58,7 @@ impl Reader<'_> {
                     b"POLYDATA" | b"UNSTRUCTURED_GRID" => {}
                     _ => {
                         let what = quoted(operand(line, 1)?);
-                        return Err(format!("a dataset {what} is not a surface").into());
+                        return Err(not_a_surface(&format!("a dataset {what}")));
                     }
                 },
                 b"POINTS" if self.dataset.draft.vertices.is_empty() => {

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::super::attributes::MeshFile;
 use super::super::cursor::Cursor;
-use super::super::dataset::{Array, Dataset, Role, cell};
+use super::super::dataset::{Array, Dataset, Role, cell, not_a_surface};
 use super::super::draft::{Checked, roomy};
 use super::super::stored::{Budget, Kind, from_base64, text_numbers, whole};
 use super::super::text::count;
@@ -33,6 +33,15 @@ enum Place {
     Appended(usize),
 }
 
+/// How numbers that are no text are packed.
+enum Packing<'a> {
+    None,
+    Zlib,
+    Lz4,
+    /// By the compressor of this name, which is not supported.
+    Other(Cow<'a, str>),
+}
+
 /// An array as the file describes it.
 struct Raw<'a> {
     piece: usize,
@@ -51,7 +60,7 @@ struct Document<'a> {
     is_big: bool,
     /// The type of the numbers of headers of arrays.
     word: Kind,
-    is_packed: bool,
+    packing: Packing<'a>,
     arrays: Vec<Raw<'a>>,
     /// The appended data, and whether they are in base64.
     appended: Option<(&'a [u8], bool)>,
@@ -64,7 +73,7 @@ impl<'a> Document<'a> {
         let mut document = Self {
             is_big: false,
             word: Kind::U32,
-            is_packed: false,
+            packing: Packing::None,
             arrays: Vec::new(),
             appended: None,
             starts: Vec::new(),
@@ -128,19 +137,21 @@ impl<'a> Document<'a> {
     fn header(&mut self, tag: &Tag<'a>) -> Checked<()> {
         let kind = tag.need("type")?;
         if kind != "PolyData" && kind != "UnstructuredGrid" {
-            return Err(format!("VTKFile of type {kind:?} is not a surface").into());
+            return Err(not_a_surface(&format!("VTKFile of type {kind:?}")));
         }
         self.is_big = tag.get("byte_order").as_deref() == Some("BigEndian");
         if tag.get("header_type").as_deref() == Some("UInt64") {
             self.word = Kind::U64;
         }
-        match tag.get("compressor").as_deref() {
-            None | Some("") => {}
-            Some("vtkZLibDataCompressor") => self.is_packed = true,
-            Some(other) => {
-                return Err(format!("packed by {other}: only zlib is supported").into());
-            }
-        }
+        self.packing = match tag.get("compressor") {
+            None => Packing::None,
+            Some(name) => match name.as_ref() {
+                "" => Packing::None,
+                "vtkZLibDataCompressor" => Packing::Zlib,
+                "vtkLZ4DataCompressor" => Packing::Lz4,
+                _ => Packing::Other(name),
+            },
+        };
         Ok(())
     }
 
@@ -260,7 +271,7 @@ impl<'a> Document<'a> {
         if stored.is_empty() {
             return Ok(stored.into());
         }
-        if !self.is_packed {
+        if let Packing::None = self.packing {
             let length = self.word(&mut cursor)?;
             budget.take(length)?;
             return Ok(cursor.bytes(length, "the last number")?.into());
@@ -279,7 +290,18 @@ impl<'a> Document<'a> {
         for (i, &length) in lengths.iter().enumerate() {
             let unpacked = if i + 1 == blocks && last > 0 { last } else { size };
             let packed = cursor.bytes(length, format_args!("block {i} of {blocks}"))?;
-            budget.inflate(packed, unpacked, &mut bytes)?;
+            match &self.packing {
+                Packing::Lz4 => budget.lz4(packed, unpacked, &mut bytes)?,
+                Packing::Other(name) => {
+                    let what = format!(
+                        "packed by {name}, where zlib and LZ4 are read: write the file anew with \
+                         one of them (ParaView: compressor type; vtkXMLWriter: \
+                         SetCompressorTypeToZLib)"
+                    );
+                    return Err(what.into());
+                }
+                _ => budget.inflate(packed, unpacked, &mut bytes)?,
+            }
         }
         Ok(bytes.into())
     }
