@@ -133,11 +133,13 @@ fn overlap(output: &str, other: &str) -> Failure {
 /// matrices each, array by array.
 pub(super) fn check_batch(all: &[Region], count: usize) -> Result<(), Failure> {
     let name = |i: usize| format!("{}[{}]", all[i].what, i % count);
-    let in_call = |region: &Region| REGIONS.try_with(|call| call.borrow().met_by(region));
-    for (i, region) in all.iter().enumerate().filter(|(_, region)| region.written) {
-        if let Ok(Some(other)) = in_call(region) {
-            return Err(overlap(&name(i), other.what));
-        }
+    let met = |call: &RefCell<Regions>| {
+        let call = call.borrow();
+        let mut written = all.iter().enumerate().filter(|(_, region)| region.written);
+        written.find_map(|(i, region)| Some((i, call.met_by(region)?)))
+    };
+    if let Ok(Some((i, other))) = REGIONS.try_with(met) {
+        return Err(overlap(&name(i), other.what));
     }
     // Line by line only where it matters: blocks of one matrix have lines between those of others.
     if first_overlap(all, false)?.is_none() {
