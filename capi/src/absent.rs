@@ -99,7 +99,7 @@ absent! { "chapters":
     fn cata_cholesky_weakest(cholesky: *const c_void, row: *mut usize, ratio: *mut f64) -> cata_status;
     fn cata_eigs_params_init(params: *mut c_void, struct_size: usize) -> cata_status;
     fn cata_eigs(n: usize, row_starts: *const usize, columns: *const usize, entries: *const f64, masses: *const f64, k: usize, eigenvalues: *mut f64, eigenvectors: *mut f64, ldv: usize, residuals: *mut f64, params: *const c_void) -> cata_status;
-    fn cata_eigs_sliced(n: usize, row_starts: *const usize, columns: *const usize, entries: *const f64, masses: *const f64, k: usize, memory: usize, slice: c_void, user: *mut c_void, params: *const c_void) -> cata_status;
+    fn cata_eigs_sliced(n: usize, row_starts: *const usize, columns: *const usize, entries: *const f64, masses: *const f64, k: usize, memory: usize, slice: *const c_void, user: *mut c_void, params: *const c_void) -> cata_status;
     fn cata_eigs_two_level(n: usize, row_starts: *const usize, columns: *const usize, entries: *const f64, masses: *const f64, coarse: usize, p_row_starts: *const usize, p_columns: *const usize, p_entries: *const f64, k: usize, eigenvalues: *mut f64, eigenvectors: *mut f64, ldv: usize, residuals: *mut f64, params: *const c_void) -> cata_status;
     fn cata_eigs_count(n: usize, row_starts: *const usize, columns: *const usize, entries: *const f64, masses: *const f64, value: f64, count: *mut usize, params: *const c_void) -> cata_status;
     fn cata_ortho_params_init(params: *mut c_void, struct_size: usize) -> cata_status;
@@ -143,7 +143,7 @@ absent! { "chapters":
     fn cata_repair_needed(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, needed: *mut i32, size: usize, text: *mut c_char) -> cata_status;
     fn cata_mesh_free_components(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, count: *mut usize, params: *const c_void) -> cata_status;
     fn cata_mesh_eigs(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, k: usize, eigenvalues: *mut f64, eigenvectors: *mut f64, ldv: usize, residuals: *mut f64, masses: *mut f64, params: *const c_void) -> cata_status;
-    fn cata_mesh_eigs_sliced(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, k: usize, memory: usize, slice: c_void, user: *mut c_void, params: *const c_void) -> cata_status;
+    fn cata_mesh_eigs_sliced(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, k: usize, memory: usize, slice: *const c_void, user: *mut c_void, params: *const c_void) -> cata_status;
     fn cata_mesh_part_eigenvalues(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, mask: *const u8, k: usize, eigenvalues: *mut f64, params: *const c_void) -> cata_status;
     fn cata_mesh_edges(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, room: usize, edges: *mut u32, face_counts: *mut u32, count: *mut usize) -> cata_status;
     fn cata_mesh_components(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, of_vertices: *mut u32, of_faces: *mut u32, count: *mut usize) -> cata_status;

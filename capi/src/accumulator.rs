@@ -2,20 +2,18 @@ use std::ffi::{c_char, c_void};
 
 use super::boundary::{boundary, path};
 use super::lstsq::{LeastSquaresOutputs, cata_lstsq_params, cata_lstsq_result};
-use super::outputs::fill_slice;
-use super::params::{flag, init, read_or_zeros, versioned};
+use super::outputs::{Wanted, tell};
+use super::params::{Params, flag, init, params, read_or_zeros};
 use super::pca::{ComponentOutputs, cata_pca_params};
 use super::pointer::{
-    self, Layout, free, matrix, matrix_mut, optional_output, optional_slice, optional_slice_mut,
-    output, slice, uplo_from,
+    self, Layout, free, hand_over, matrix, matrix_mut, optional_slice, output, slice, uplo_from,
 };
-use super::progress::{cata_progress, par, watcher};
+use super::progress::{Caller, cata_progress};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
-use catamaran::base::{Par, Progress};
 use catamaran::io::{Output, Overwrite, RowFile, read_accumulator, write_accumulator};
 use catamaran::rows::{Accumulator, DenseRows, ExtendedGram, RowBlocks, RowBounds};
 use catamaran::solve::{LeastSquares, PrincipalComponents};
-use catamaran::{AtaOptions, Uplo};
+use catamaran::{AtaOptions, Par, Uplo};
 
 /// `sums`: in double, up to rounding.
 pub const CATA_SUMS_FLOAT: i32 = 0;
@@ -51,15 +49,14 @@ pub struct cata_accumulator_params {
     pub centered: i32,
 }
 
-versioned!(cata_accumulator_params, centered: i32);
+params!(cata_accumulator_params, centered: i32);
 
 /// The sums X^T W X of rows X that come in blocks, with weights W, and results from them at any
 /// time. Made by cata_accumulator_new or cata_accumulator_read.
 pub struct cata_accumulator {
     sum: Accumulator<f64>,
     par: Par,
-    progress: cata_progress,
-    user: *mut c_void,
+    caller: Caller,
     /// Why it must not be used any more.
     broken: Option<String>,
 }
@@ -107,12 +104,9 @@ pub unsafe extern "C" fn cata_accumulator_new(
             CATA_SUMS_FLOAT => Accumulator::new(n, centered)?,
             CATA_SUMS_EXACT => Accumulator::exact(&bounds()?, centered)?,
             CATA_SUMS_EXTENDED => Accumulator::extended(&bounds()?, centered)?,
-            other => {
-                let why = format!("params.sums: must be a CATA_SUMS_* value, is {other}");
-                return Err(Failure::new(CATA_ERR_ARGUMENT, why));
-            }
+            other => return Err(Failure::argument("params.sums", "a CATA_SUMS_* value", other)),
         };
-        *place = cata_accumulator::boxed(sum, &params);
+        hand_over(place, cata_accumulator::new(sum, &params));
         Ok(())
     })
 }
@@ -139,7 +133,7 @@ pub unsafe extern "C" fn cata_accumulator_read(
                 output("accumulator", accumulator)?,
             )
         };
-        *place = cata_accumulator::boxed(read_accumulator(&path)?, &params);
+        hand_over(place, cata_accumulator::new(read_accumulator(&path)?, &params));
         Ok(())
     })
 }
@@ -263,24 +257,15 @@ pub unsafe extern "C" fn cata_accumulator_rows(
     mean: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: clause `memory` (`rows`, one value; `weight`, one value; `mean`, `sum.ncols()`
+        // SAFETY: clause `memory` (`rows`, one value; `weight`, one value; `mean`, `found.len()`
         // elements), clause `handles` (`accumulator`).
-        let (sum, rows, weight, mean) = unsafe {
+        unsafe {
             let sum = &known(accumulator)?.sum;
-            (
-                sum,
-                optional_output("rows", rows)?,
-                optional_output("weight", weight)?,
-                optional_slice_mut("mean", mean, sum.ncols())?,
-            )
-        };
-        if let Some(rows) = rows {
-            *rows = sum.rows();
+            let found = sum.mean();
+            let mean = Wanted::new("mean", mean, &found)?;
+            tell!(rows: sum.rows(), weight: sum.weight());
+            mean.write();
         }
-        if let Some(weight) = weight {
-            *weight = sum.weight();
-        }
-        fill_slice(mean, &sum.mean());
         Ok(())
     })
 }
@@ -347,8 +332,8 @@ pub unsafe extern "C" fn cata_accumulator_lstsq(
             let own = known(accumulator)?;
             let n = own.sum.ncols();
             if k == 0 || k > n {
-                let why = format!("k: must be from 1 to {n} (columns of the rows), is {k}");
-                return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+                let any = format!("from 1 to {n} (columns of the rows)");
+                return Err(Failure::argument("k", any, k));
             }
             (
                 own,
@@ -401,9 +386,8 @@ pub unsafe extern "C" fn cata_accumulator_pca(
 }
 
 impl cata_accumulator {
-    fn boxed(sum: Accumulator<f64>, params: &cata_accumulator_params) -> *mut Self {
-        let &cata_accumulator_params { threads, progress, progress_user: user, .. } = params;
-        Box::into_raw(Box::new(Self { sum, par: par(threads), progress, user, broken: None }))
+    fn new(sum: Accumulator<f64>, params: &cata_accumulator_params) -> Self {
+        Self { sum, par: params.par(), caller: params.caller(), broken: None }
     }
 
     fn change(
@@ -412,23 +396,23 @@ impl cata_accumulator {
         weights: Option<&[f64]>,
         remove: bool,
     ) -> Result<(), Failure> {
-        let watch = watcher(self.progress, self.user);
-        let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
-        let options = AtaOptions::new().par(self.par).progress(progress);
         let before = self.sum.rows();
-        let done = match remove {
-            false => self.sum.add_rows(rows, weights, &options),
-            true => self.sum.remove_rows(rows, weights, &options),
-        };
-        done.map_err(|error| {
+        // Unless the call returns: a panic leaves a part of the rows in the sums.
+        self.broken = Some("a panic".to_owned());
+        let done = self.caller.with(|progress| {
+            let options = AtaOptions::new().par(self.par).progress(progress);
+            match remove {
+                false => self.sum.add_rows(rows, weights, &options),
+                true => self.sum.remove_rows(rows, weights, &options),
+            }
+        });
+        self.broken = done.as_ref().err().and_then(|error| {
             use catamaran::Error::{Argument, Io, NonFinite, Shape};
             let refused =
                 matches!(error, Argument { .. } | NonFinite { .. } | Shape { .. } | Io { .. });
-            if !refused || self.sum.rows() != before {
-                self.broken = Some(error.to_string());
-            }
-            error.into()
-        })
+            (!refused || self.sum.rows() != before).then(|| error.to_string())
+        });
+        Ok(done?)
     }
 
     fn extended(&self) -> Result<ExtendedGram, Failure> {

@@ -3,7 +3,7 @@ use faer::complex::Complex;
 use super::ata::symmetric;
 use super::ata_params::cata_ata_params;
 use super::atb::general;
-use super::pointer::slice;
+use super::pointer::array;
 use super::status::{Failure, cata_status};
 use catamaran::blas::BlasReal;
 use catamaran::{aha_into, ahb_into};
@@ -157,8 +157,8 @@ unsafe fn ahb<T: BlasReal>(
     // (`general`); a Complex is two reals, without more alignment.
     unsafe {
         general(layout, (m, a, lda, n), (b, ldb, k), (c, ldc), params, |a, b, c, options| {
-            let [alpha, beta] = [slice("alpha", alpha, 2)?, slice("beta", beta, 2)?]
-                .map(|parts| Complex { re: parts[0], im: parts[1] });
+            let [alpha, beta] = [array("alpha", alpha)?, array("beta", beta)?]
+                .map(|[re, im]: [T; 2]| Complex { re, im });
             Ok::<_, Failure>(ahb_into(alpha, a, b, beta, c, options)?)
         })
     }

@@ -116,7 +116,7 @@ pub(super) unsafe fn with_options(
         .reproducible(check_reproducible(&params)?)
         .leaf((params.leaf > 0).then_some(params.leaf))
         .tasks((params.tasks > 0).then_some(params.tasks));
-    // SAFETY: NULL or a live back end, as the header asks.
+    // SAFETY: clause `handles` (`params.backend`); NULL gives the default.
     if let Some(backend) = unsafe { params.backend.as_ref() } {
         options = options.backend(backend.get());
     }

@@ -16,7 +16,7 @@ use std::ffi::{CString, c_char};
 use std::sync::Arc;
 
 use super::boundary::{boundary, path};
-use super::pointer::{free, output};
+use super::pointer::{free, hand_over, output};
 #[cfg(not(feature = "openblas"))]
 use super::status::Failure;
 use super::status::cata_status;
@@ -54,7 +54,7 @@ pub unsafe extern "C" fn cata_backend_load(
     boundary(|| {
         // SAFETY: clause `memory` (`backend`, one value), clause `texts` (`path`).
         let (path, backend) = unsafe { (self::path("path", path)?, output("backend", backend)?) };
-        *backend = Box::into_raw(Box::new(cata_backend::new(blas::load(&path)?)));
+        hand_over(backend, cata_backend::new(blas::load(&path)?));
         Ok(())
     })
 }
@@ -70,7 +70,7 @@ pub unsafe extern "C" fn cata_backend_openblas(backend: *mut *mut cata_backend) 
         let backend = unsafe { output("backend", backend) }?;
         #[cfg(feature = "openblas")]
         {
-            *backend = Box::into_raw(Box::new(cata_backend::new(blas::openblas())));
+            hand_over(backend, cata_backend::new(blas::openblas()));
             Ok(())
         }
         #[cfg(not(feature = "openblas"))]

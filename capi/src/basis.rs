@@ -20,11 +20,12 @@ use super::boundary::boundary;
 use super::ortho::{
     CATA_ORTHO_RANK_REVEALING, CATA_ORTHO_REORTHOGONALIZED, CATA_ORTHO_SINGLE_PASS, known_method,
 };
-use super::params::{init, or_default, params, with_params};
+use super::outputs::tell;
+use super::params::{Params, init, or_default, params, with_params};
 use super::pointer::{
-    Layout, free, known, matrix, matrix_mut, optional_output, output, put, slice, slice_mut,
+    Layout, free, hand_over, known, matrix, matrix_mut, output, slice, slice_mut,
 };
-use super::progress::{cata_progress, par, reported};
+use super::progress::{cata_progress, reported};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use catamaran::Par;
 use catamaran::base::Progress;
@@ -48,6 +49,10 @@ pub(super) enum Functions {
 }
 
 impl cata_basis {
+    fn new(functions: Functions, par: Par) -> Self {
+        Self { functions: Arc::new(functions), par }
+    }
+
     pub(super) fn basis(&self) -> &Basis {
         match &*self.functions {
             Functions::Eigen(eigen) => eigen.basis(),
@@ -153,10 +158,10 @@ pub unsafe extern "C" fn cata_basis_new(
                 let mass = Mass::Lumped(masses.to_vec());
                 Eigenbasis::new(values.to_vec(), vectors.to_owned(), mass)
             })?;
-            Ok(made(Functions::Eigen(eigen), options.par))
+            Ok(cata_basis::new(Functions::Eigen(eigen), options.par))
         };
         // SAFETY: clause `structs` (`params`).
-        *place = unsafe { with_basis_options(params, work) }?;
+        hand_over(place, unsafe { with_basis_options(params, work) }?);
         Ok(())
     })
 }
@@ -182,10 +187,10 @@ pub unsafe extern "C" fn cata_basis_products(
         let eigen = eigen.eigen("eigenfunctions")?;
         let work = |options: &BasisOptions<'_>| {
             let products = options.products(eigen, options.progress)?;
-            Ok(made(Functions::Products(products), options.par))
+            Ok(cata_basis::new(Functions::Products(products), options.par))
         };
         // SAFETY: clause `structs` (`params`).
-        *place = unsafe { with_basis_options(params, work) }?;
+        hand_over(place, unsafe { with_basis_options(params, work) }?);
         Ok(())
     })
 }
@@ -213,18 +218,16 @@ pub unsafe extern "C" fn cata_basis_size(
     products: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: clause `handles` (`basis`), clause `passed on` (`optional_output`).
-        let (basis, places) = unsafe {
-            let places = [("n", n), ("r", r), ("products", products)];
-            let [n, r, products] = places.map(|(what, place)| optional_output(what, place));
-            (known("basis", basis)?, [n?, r?, products?])
-        };
-        let products = match &*basis.functions {
-            Functions::Eigen(_) => 0,
-            Functions::Products(products) => products.products().len(),
-        };
-        let sizes = [basis.basis().vertices(), basis.basis().len(), products];
-        places.into_iter().zip(sizes).for_each(|(place, size)| put(place, size));
+        // SAFETY: clause `memory` (`n`, `r`, `products`, one value each), clause `handles`
+        // (`basis`).
+        unsafe {
+            let own = known("basis", basis)?;
+            let all = match &*own.functions {
+                Functions::Eigen(_) => 0,
+                Functions::Products(products) => products.products().len(),
+            };
+            tell!(n: own.basis().vertices(), r: own.basis().len(), products: all);
+        }
         Ok(())
     })
 }
@@ -474,11 +477,7 @@ pub(super) unsafe fn with_basis_options<X>(
         with_params(params, |params, progress| {
             let order = or_default(params.order, 2);
             let method = known_method(params.method, CATA_ORTHO_SINGLE_PASS)?;
-            work(&BasisOptions { order, method, par: par(params.threads), progress })
+            work(&BasisOptions { order, method, par: params.par(), progress })
         })
     }
-}
-
-fn made(functions: Functions, par: Par) -> *mut cata_basis {
-    Box::into_raw(Box::new(cata_basis { functions: Arc::new(functions), par }))
 }

@@ -49,11 +49,23 @@ fn panic_text(payload: Box<dyn Any + Send>) -> String {
     }
 }
 
+/// Returns a copy of a text of C.
+///
+/// # Safety
+/// `text` is NULL or NUL-terminated.
+#[cfg(feature = "chapters")]
+pub(super) unsafe fn utf8(what: &str, text: *const c_char) -> Result<String, Failure> {
+    // SAFETY: clause `texts` (`text`).
+    let text = unsafe { self::text(what, text) }?.to_str();
+    let not_utf8 = |_| Failure::new(CATA_ERR_ARGUMENT, format!("{what}: must be in UTF-8"));
+    Ok(text.map_err(not_utf8)?.to_owned())
+}
+
 /// Returns a C string as text.
 ///
 /// # Safety
 /// `text` is NULL or NUL-terminated, and stays so for `'a`.
-pub(super) unsafe fn text<'a>(what: &str, text: *const c_char) -> Result<&'a CStr, Failure> {
+unsafe fn text<'a>(what: &str, text: *const c_char) -> Result<&'a CStr, Failure> {
     if text.is_null() {
         return Err(Failure::null(what));
     }
@@ -78,7 +90,7 @@ pub(super) unsafe fn path(what: &str, path: *const c_char) -> Result<PathBuf, Fa
     }
     #[cfg(not(unix))]
     {
-        let not_utf8 = |_| Failure::new(CATA_ERR_ARGUMENT, format!("{what}: must be UTF-8"));
+        let not_utf8 = |_| Failure::new(CATA_ERR_ARGUMENT, format!("{what}: must be in UTF-8"));
         Ok(path.to_str().map_err(not_utf8)?.into())
     }
 }

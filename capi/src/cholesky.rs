@@ -19,14 +19,14 @@ use std::ffi::c_void;
 
 use super::boundary::boundary;
 use super::layout::{CATA_BOTH, CATA_LOWER, CATA_UPPER};
-use super::outputs::hand_over;
+use super::outputs::{copy, tell};
 use super::params::{Params, flag, init, params, read_or_zeros};
 use super::pointer::{
-    Layout, free, known, known_mut, matrix, matrix_mut, optional_output, optional_slice, output,
-    pattern, slice, slice_mut, sparse,
+    Layout, UPLO, free, hand_over, known, known_mut, matrix, matrix_mut, optional_slice, output,
+    pattern, slice, sparse,
 };
-use super::progress::{Caller, cata_progress, par};
-use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
+use super::progress::{Caller, cata_progress};
+use super::status::{Failure, cata_status};
 use catamaran::sparse::{Cholesky, CholeskyOptions, Triangle};
 
 /// The factorization A = L L^T of a sparse symmetric matrix, or its analysis alone.
@@ -221,18 +221,11 @@ pub unsafe extern "C" fn cata_cholesky_size(
     held: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: clause `handles` (`cholesky`), clause `passed on` (`optional_output`).
-        let (handle, places) = unsafe {
-            let places = [("n", n), ("entries", entries), ("held", held)];
-            let [n, entries, held] = places.map(|(what, place)| optional_output(what, place));
-            (known("cholesky", cholesky)?, [n?, entries?, held?])
-        };
-        let cholesky = &handle.cholesky;
-        let sizes = [cholesky.n(), cholesky.entries(), cholesky.held().len()];
-        for (place, size) in places.into_iter().zip(sizes) {
-            if let Some(place) = place {
-                *place = size;
-            }
+        // SAFETY: clause `memory` (`n`, `entries`, `held`, one value each), clause `handles`
+        // (`cholesky`).
+        unsafe {
+            let own = &known("cholesky", cholesky)?.cholesky;
+            tell!(n: own.n(), entries: own.entries(), held: own.held().len());
         }
         Ok(())
     })
@@ -250,13 +243,8 @@ pub unsafe extern "C" fn cata_cholesky_held(
     held: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: clause `memory` (`held`, `found.len()` elements), clause `handles` (`cholesky`).
-        let (found, place) = unsafe {
-            let found = known("cholesky", cholesky)?.cholesky.held();
-            (found, slice_mut("held", held, found.len())?)
-        };
-        place.copy_from_slice(found);
-        Ok(())
+        // SAFETY: clause `memory` (`held`, one element for each), clause `handles` (`cholesky`).
+        unsafe { copy("held", held, known("cholesky", cholesky)?.cholesky.held()) }
     })
 }
 
@@ -275,20 +263,10 @@ pub unsafe extern "C" fn cata_cholesky_weakest(
     boundary(|| {
         // SAFETY: clause `memory` (`row`, one value; `ratio`, one value), clause `handles`
         // (`cholesky`).
-        let (handle, row, ratio) = unsafe {
-            (
-                known("cholesky", cholesky)?,
-                optional_output("row", row)?,
-                optional_output("ratio", ratio)?,
-            )
-        };
-        let cholesky = &handle.cholesky;
-        let found = cholesky.weakest().unwrap_or((cholesky.n(), 1.0));
-        if let Some(row) = row {
-            *row = found.0;
-        }
-        if let Some(ratio) = ratio {
-            *ratio = found.1;
+        unsafe {
+            let own = &known("cholesky", cholesky)?.cholesky;
+            let (weakest, least) = own.weakest().unwrap_or((own.n(), 1.0));
+            tell!(row: weakest, ratio: least);
         }
         Ok(())
     })
@@ -300,13 +278,7 @@ pub(super) fn options(params: &cata_cholesky_params) -> Result<CholeskyOptions<'
         0 | CATA_BOTH => Triangle::Both,
         CATA_LOWER => Triangle::Lower,
         CATA_UPPER => Triangle::Upper,
-        other => {
-            let why = format!(
-                "params.triangle: must be CATA_UPPER (121), CATA_LOWER (122) or CATA_BOTH (123), \
-                 is {other}"
-            );
-            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
-        }
+        other => return Err(Failure::argument("params.triangle", UPLO, other)),
     };
     let semidefinite = flag("params.semidefinite", params.semidefinite)?;
     let tolerance = (params.tolerance != 0.0).then_some(params.tolerance);
@@ -314,5 +286,5 @@ pub(super) fn options(params: &cata_cholesky_params) -> Result<CholeskyOptions<'
         .triangle(triangle)
         .semidefinite(semidefinite)
         .tolerance(tolerance)
-        .par(par(params.threads)))
+        .par(params.par()))
 }

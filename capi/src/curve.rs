@@ -19,12 +19,9 @@
 use std::ffi::c_void;
 
 use super::boundary::boundary;
-use super::outputs::{fill_slice, hand_over};
+use super::outputs::{copy, copy_wanted, element, tell};
 use super::params::{flag, init, or_default, params, with_params};
-use super::pointer::{
-    check_size, free, known, mesh, optional_output, optional_slice_mut, output, put, slice,
-    slice_mut,
-};
+use super::pointer::{free, hand_over, known, known_mut, mesh, output, slice, slice_mut};
 use super::progress::cata_progress;
 use super::status::{Failure, cata_status};
 use catamaran::base::{Error, Progress};
@@ -153,7 +150,6 @@ pub unsafe extern "C" fn cata_curve_solver_new_at(
     solver: *mut *mut cata_curve_solver,
 ) -> cata_status {
     boundary(|| {
-        check_size::<f64>("weights", count, 3)?;
         // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `places`,
         // `count` elements; `weights`, `3 * count` elements; `samples`, `count` elements; `solver`,
         // one value).
@@ -161,14 +157,14 @@ pub unsafe extern "C" fn cata_curve_solver_new_at(
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,
                 slice("places", places, count)?,
-                slice("weights", weights, 3 * count)?,
+                slice("weights", weights.cast::<[f64; 3]>(), count)?,
                 slice_mut("samples", samples, count)?,
                 output("solver", solver)?,
             )
         };
         let sites: Vec<Site> = places
             .iter()
-            .zip(weights.as_chunks().0)
+            .zip(weights)
             .map(|(&face, &weights)| match face {
                 CATA_IN_SPACE => Site::Near(weights),
                 face => Site::Face(SurfacePoint { face, weights }),
@@ -212,10 +208,11 @@ pub unsafe extern "C" fn cata_curve_solver_find(
     curves: *mut *mut cata_curves,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: clause `memory` (`samples`, `count` elements; `curves`, one value).
+        // SAFETY: clause `memory` (`samples`, `count` elements; `curves`, one value), clause
+        // `handles` (`solver`).
         let (solver, samples, curves) = unsafe {
-            let solver = solver.as_mut().ok_or_else(|| Failure::null("solver"))?;
-            (&mut solver.solver, slice("samples", samples, count)?, output("curves", curves)?)
+            let solver = &mut known_mut("solver", solver)?.solver;
+            (solver, slice("samples", samples, count)?, output("curves", curves)?)
         };
         let work = |params: &cata_curve_params, progress: Progress<'_>| {
             let smooth = flag("params.smooth", params.smooth)?;
@@ -277,19 +274,14 @@ pub unsafe extern "C" fn cata_curves_outcome(
     boundary(|| {
         // SAFETY: clause `memory` (`outcome`, one value; `count`, one value; `left_out`, one
         // value), clause `handles` (`curves`).
-        let (found, outcome, numbers) = unsafe {
-            (
-                &known("curves", curves)?.found,
-                optional_output("outcome", outcome)?,
-                [optional_output("count", count)?, optional_output("left_out", left_out)?],
-            )
-        };
-        if let Some(outcome) = outcome {
-            *outcome = outcome_value(found.outcome);
+        unsafe {
+            let found = &known("curves", curves)?.found;
+            tell! {
+                outcome: outcome_value(found.outcome),
+                count: found.curves.len(),
+                left_out: found.left_out.len(),
+            }
         }
-        let [count, left_out] = numbers;
-        put(count, found.curves.len());
-        put(left_out, found.left_out.len());
         Ok(())
     })
 }
@@ -311,20 +303,15 @@ pub unsafe extern "C" fn cata_curves_size(
     boundary(|| {
         // SAFETY: clause `memory` (`n_samples`, one value; `n_vertices`, one value; `n_points`, one
         // value; `length`, one value), clause `handles` (`curves`).
-        let (curve, numbers, length) = unsafe {
-            (
-                one(known("curves", curves)?, curve)?,
-                [
-                    optional_output("n_samples", n_samples)?,
-                    optional_output("n_vertices", n_vertices)?,
-                    optional_output("n_points", n_points)?,
-                ],
-                optional_output("length", length)?,
-            )
-        };
-        let found = [curve.order.len(), curve.path.len(), curve.points.len()];
-        numbers.into_iter().zip(found).for_each(|(place, number)| put(place, number));
-        put(length, curve.length);
+        unsafe {
+            let curve = one(known("curves", curves)?, curve)?;
+            tell! {
+                n_samples: curve.order.len(),
+                n_vertices: curve.path.len(),
+                n_points: curve.points.len(),
+                length: curve.length,
+            }
+        }
         Ok(())
     })
 }
@@ -351,18 +338,14 @@ pub unsafe extern "C" fn cata_curves_get(
         // SAFETY: clause `memory` (`order`, `curve.order.len()` elements; `path`,
         // `curve.path.len()` elements; `points`, `3 * curve.points.len()` elements), clause
         // `handles` (`curves`).
-        let (curve, order, path, points) = unsafe {
+        unsafe {
             let curve = one(known("curves", curves)?, curve)?;
-            (
-                curve,
-                optional_slice_mut("order", order, curve.order.len())?,
-                optional_slice_mut("path", path, curve.path.len())?,
-                optional_slice_mut("points", points, 3 * curve.points.len())?,
-            )
-        };
-        fill_slice(order, &curve.order);
-        fill_slice(path, &curve.path);
-        fill_slice(points, curve.points.as_flattened());
+            copy_wanted! {
+                order: &curve.order,
+                path: &curve.path,
+                points: curve.points.as_flattened(),
+            }
+        }
         Ok(())
     })
 }
@@ -377,13 +360,8 @@ pub unsafe extern "C" fn cata_curves_left_out(
     samples: *mut u32,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: clause `memory` (`samples`, `own.len()` elements), clause `handles` (`curves`).
-        let (own, samples) = unsafe {
-            let own = &known("curves", curves)?.found.left_out;
-            (own, slice_mut("samples", samples, own.len())?)
-        };
-        samples.copy_from_slice(own);
-        Ok(())
+        // SAFETY: clause `memory` (`samples`, one element for each), clause `handles` (`curves`).
+        unsafe { copy("samples", samples, &known("curves", curves)?.found.left_out) }
     })
 }
 
@@ -400,8 +378,5 @@ pub(super) fn outcome_value(outcome: Outcome) -> i32 {
 }
 
 fn one(curves: &cata_curves, curve: usize) -> Result<&Curve, Failure> {
-    let all = &curves.found.curves;
-    all.get(curve).ok_or_else(|| {
-        Failure::argument("curve", format!("less than {} (curves)", all.len()), curve)
-    })
+    element("curve", &curves.found.curves, "curves", curve)
 }

@@ -20,13 +20,12 @@ use std::ffi::c_void;
 use super::boundary::boundary;
 use super::eigs::{CATA_BOUNDARY_DIRICHLET, cata_eigs_params};
 use super::mesh::write_eigs;
-use super::outputs::{fill_mesh, fill_slice, hand_over};
-use super::params::{flag, init, params, with_params};
+use super::outputs::{copy_wanted, fill_mesh, fill_slice, tell};
+use super::params::{Params, flag, init, params, with_params};
 use super::pointer::{
-    check_size, free, known, mesh, optional_output, optional_slice_mut, output, put, slice,
-    slice_mut,
+    check_size, free, hand_over, known, mesh, optional_slice_mut, output, slice, slice_mut,
 };
-use super::progress::{cata_progress, par};
+use super::progress::cata_progress;
 use super::status::{Failure, cata_status};
 use catamaran::base::{Error, Par, Progress};
 use catamaran::sparse::{EigenOptions, eigs_two_level, select};
@@ -156,17 +155,14 @@ pub unsafe extern "C" fn cata_decimation_size(
     boundary(|| {
         // SAFETY: clause `memory` (`n_vertices`, one value; `n_faces`, one value; `repaired`, one
         // value), clause `handles` (`decimation`).
-        let (found, n_vertices, n_faces, repaired) = unsafe {
-            (
-                &known("decimation", decimation)?.found,
-                optional_output("n_vertices", n_vertices)?,
-                optional_output("n_faces", n_faces)?,
-                optional_output("repaired", repaired)?,
-            )
-        };
-        put(n_vertices, found.mesh.vertices().len());
-        put(n_faces, found.mesh.faces().len());
-        put(repaired, i32::from(found.repairs != Default::default()));
+        unsafe {
+            let found = &known("decimation", decimation)?.found;
+            tell! {
+                n_vertices: found.mesh.vertices().len(),
+                n_faces: found.mesh.faces().len(),
+                repaired: i32::from(found.repairs != Default::default()),
+            }
+        }
         Ok(())
     })
 }
@@ -207,26 +203,19 @@ pub unsafe extern "C" fn cata_decimation_places(
     weights: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: clause `memory` (`cells`, `before` elements; `distances`, `before` elements;
-        // `places`, `after` elements; `weights`, `3 * after` elements), clause `handles`
-        // (`decimation`).
-        let (found, cells, distances, places, weights) = unsafe {
+        // SAFETY: clause `memory` (`cells` and `distances`, one element a vertex of the input;
+        // `places`, one a vertex of the result; `weights`, 3), clause `handles` (`decimation`).
+        unsafe {
             let found = &known("decimation", decimation)?.found;
-            let (before, after) = (found.cells.of_vertices().len(), found.places.len());
-            (
-                found,
-                optional_slice_mut("cells", cells, before)?,
-                optional_slice_mut("distances", distances, before)?,
-                optional_slice_mut("places", places, after)?,
-                optional_slice_mut("weights", weights, 3 * after)?,
-            )
-        };
-        let of_faces: Vec<u32> = found.places.iter().map(|place| place.face).collect();
-        let inside: Vec<[f64; 3]> = found.places.iter().map(|place| place.weights).collect();
-        fill_slice(cells, found.cells.of_vertices());
-        fill_slice(distances, found.cells.distances());
-        fill_slice(places, &of_faces);
-        fill_slice(weights, inside.as_flattened());
+            let of_faces: Vec<u32> = found.places.iter().map(|place| place.face).collect();
+            let inside: Vec<[f64; 3]> = found.places.iter().map(|place| place.weights).collect();
+            copy_wanted! {
+                cells: found.cells.of_vertices(),
+                distances: found.cells.distances(),
+                places: &of_faces,
+                weights: inside.as_flattened(),
+            }
+        }
         Ok(())
     })
 }
@@ -445,7 +434,7 @@ pub(super) unsafe fn with_options<X>(
             }
         };
         let options = DecimateOptions::new()
-            .par(par(params.threads))
+            .par(params.par())
             .method(method)
             .resample(!flag("params.keep_edges", params.keep_edges)?)
             .lloyd(passes("params.lloyd", params.lloyd, default.lloyd)?)

@@ -17,7 +17,7 @@ use super::boundary::boundary;
 use super::outputs::fill;
 use super::params::{Params, flag, init, params, read_or_zeros};
 use super::pointer::{Layout, matrix, matrix_mut, mesh, output, slice, slice_mut};
-use super::progress::{cata_progress, par};
+use super::progress::cata_progress;
 use super::status::{Failure, cata_status};
 use catamaran_geometry::spectral::descriptors::{
     RingOptions, SHOT_BINS, ShotOptions, WaveScales, geodesic_rings, global_point_signature,
@@ -99,7 +99,7 @@ pub unsafe extern "C" fn cata_descriptor_heat(
         };
         let scaled = flag("scaled", scaled)?;
         let mut found = params.caller().reported(|_| {
-            let threads = par(params.threads);
+            let threads = params.par();
             Ok(heat_kernel_signature(pairs.values, pairs.vectors, times, threads)?)
         })?;
         if scaled {
@@ -205,7 +205,7 @@ pub unsafe extern "C" fn cata_descriptor_wave(
         };
         let scales = WaveScales { energies: energies.to_vec(), sigma };
         let found = params.caller().reported(|_| {
-            let threads = par(params.threads);
+            let threads = params.par();
             Ok(wave_kernel_signature(pairs.values, pairs.vectors, &scales, threads)?)
         })?;
         signature.copy_from(&found);
@@ -314,7 +314,7 @@ pub unsafe extern "C" fn cata_descriptor_shot(
             )
         };
         let found = params.caller().reported(|progress| {
-            let options = ShotOptions::new(radius).par(par(params.threads)).progress(progress);
+            let options = ShotOptions::new(radius).par(params.par()).progress(progress);
             Ok(shot(&mesh, &options)?)
         })?;
         signature.copy_from(&found);
@@ -365,7 +365,7 @@ pub unsafe extern "C" fn cata_descriptor_rings(
         };
         let found = params.caller().reported(|progress| {
             let options = RingOptions::new(radius, rings);
-            let options = options.par(par(params.threads)).progress(progress);
+            let options = options.par(params.par()).progress(progress);
             Ok(geodesic_rings(&mesh, f, &options)?)
         })?;
         signature.copy_from(&found);

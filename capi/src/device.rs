@@ -14,10 +14,10 @@
 
 use std::ffi::c_char;
 
-use super::boundary::{boundary, text};
+use super::boundary::{boundary, utf8};
 use super::outputs::write_text;
 use super::pointer::{output, slice_mut};
-use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
+use super::status::{Failure, cata_status};
 #[cfg(feature = "opencl")]
 pub(super) use catamaran_simulation::opencl::Device;
 
@@ -88,10 +88,7 @@ pub(super) unsafe fn chosen(selector: *const c_char) -> Result<Option<Device>, F
         return Ok(None);
     }
     // SAFETY: clause `texts` (`params.device`).
-    let selector = unsafe { text("params.device", selector) }?.to_str();
-    let selector =
-        selector.map_err(|_| Failure::new(CATA_ERR_ARGUMENT, "params.device: must be UTF-8"))?;
-    open(selector).map(Some)
+    open(&unsafe { utf8("params.device", selector) }?).map(Some)
 }
 
 /// Returns the name and the kind of a device.
@@ -100,7 +97,7 @@ fn numbered(index: usize) -> Result<(String, i32), Failure> {
     if index < all.len() {
         return Ok(all.swap_remove(index));
     }
-    Err(Failure::argument("index", format!("less than {} (devices)", all.len()), index))
+    Err(Failure::beyond("index", all.len(), "devices", index))
 }
 
 #[cfg(feature = "opencl")]

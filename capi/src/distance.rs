@@ -19,13 +19,13 @@ use std::ffi::c_void;
 
 use super::boundary::boundary;
 use super::curve::CATA_IN_SPACE;
-use super::outputs::{fill_slice, hand_over, tell};
+use super::outputs::{copy_wanted, fill_slice, tell};
 use super::params::{Params, flag, init, params, read_or_zeros};
 use super::pointer::{
-    check_size, free, known, mesh, optional_output, optional_slice, optional_slice_mut, output,
-    slice, slice_mut,
+    check_size, free, hand_over, known, mesh, optional_output, optional_slice, optional_slice_mut,
+    output, put, slice, slice_mut,
 };
-use super::progress::{cata_progress, par};
+use super::progress::cata_progress;
 use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_NOT_CONVERGED, Failure, cata_status};
 use catamaran_geometry::curve::{Curve, Waypoint, smooth};
 use catamaran_geometry::mesh::{
@@ -408,14 +408,12 @@ pub unsafe extern "C" fn cata_distance_trace(
         let found = params
             .caller()
             .reported(|_| Ok(Geodesics::new(&mesh)?.trace(start, direction, length)?))?;
-        tell(
-            [end],
-            [match found.end {
-                TraceEnd::Complete => CATA_TRACE_COMPLETE,
-                TraceEnd::Boundary => CATA_TRACE_BOUNDARY,
-                _ => CATA_TRACE_NON_MANIFOLD,
-            }],
-        );
+        let how = match found.end {
+            TraceEnd::Complete => CATA_TRACE_COMPLETE,
+            TraceEnd::Boundary => CATA_TRACE_BOUNDARY,
+            _ => CATA_TRACE_NON_MANIFOLD,
+        };
+        put(end, how);
         fill_slice(heading, &found.direction);
         hand_over(
             place,
@@ -467,9 +465,7 @@ pub unsafe extern "C" fn cata_distance_path(
         heat_options(&params)?;
         for (what, vertex) in [("from", from), ("to", to)] {
             if vertex as usize >= n_vertices {
-                let why =
-                    format!("{what}: must be less than {n_vertices} (n_vertices), is {vertex}");
-                return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+                return Err(Failure::beyond(what, n_vertices, "n_vertices", vertex));
             }
         }
         let found = params.caller().reported(|_| {
@@ -495,13 +491,14 @@ pub unsafe extern "C" fn cata_path_size(
     boundary(|| {
         // SAFETY: clause `memory` (`n_vertices`, one value; `n_points`, one value; `length`, one
         // value), clause `handles` (`path`).
-        let (own, sizes, length) = unsafe {
-            let n_vertices = optional_output("n_vertices", n_vertices)?;
-            let sizes = [n_vertices, optional_output("n_points", n_points)?];
-            (known("path", path)?, sizes, optional_output("length", length)?)
-        };
-        tell(sizes, [own.vertices.len(), own.points.len()]);
-        tell([length], [own.length]);
+        unsafe {
+            let own = known("path", path)?;
+            tell! {
+                n_vertices: own.vertices.len(),
+                n_points: own.points.len(),
+                length: own.length,
+            }
+        }
         Ok(())
     })
 }
@@ -522,15 +519,11 @@ pub unsafe extern "C" fn cata_path_get(
     points: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: clause `memory` (`vertices`, `own.vertices.len()` elements; `points`,
-        // `places.len()` elements), clause `handles` (`path`).
+        // SAFETY: clause `memory` (`vertices`, `own.vertices.len()` elements; `points`, 3 numbers a
+        // point), clause `handles` (`path`).
         unsafe {
             let own = known("path", path)?;
-            let places = own.points.as_flattened();
-            let vertices = optional_slice_mut("vertices", vertices, own.vertices.len())?;
-            let points = optional_slice_mut("points", points, places.len())?;
-            fill_slice(vertices, &own.vertices);
-            fill_slice(points, places);
+            copy_wanted!(vertices: &own.vertices, points: own.points.as_flattened());
         }
         Ok(())
     })
@@ -560,12 +553,9 @@ pub unsafe extern "C" fn cata_path_places(
                            cata_distance_path_exact or cata_distance_trace";
                 return Err(Failure::new(CATA_ERR_ARGUMENT, why));
             };
-            let faces = optional_slice_mut("faces", faces, places.len())?;
-            let weights = optional_slice_mut("weights", weights, 3 * places.len())?;
             let of_faces: Vec<u32> = places.iter().map(|place| place.face).collect();
-            fill_slice(faces, &of_faces);
             let all: Vec<[f64; 3]> = places.iter().map(|place| place.weights).collect();
-            fill_slice(weights, all.as_flattened());
+            copy_wanted!(faces: &of_faces, weights: all.as_flattened());
         }
         Ok(())
     })
@@ -600,12 +590,9 @@ pub(super) fn heat_options(params: &cata_distance_params) -> Result<HeatOptions,
         CATA_FLOW_TUFTED => LaplacianKind::Tufted,
         CATA_FLOW_INTRINSIC_DELAUNAY => LaplacianKind::IntrinsicDelaunay,
         CATA_FLOW_COTANGENT => LaplacianKind::Cotangent,
-        other => {
-            let why = format!("params.flow: must be a CATA_FLOW_* value, is {other}");
-            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
-        }
+        other => return Err(Failure::argument("params.flow", "a CATA_FLOW_* value", other)),
     };
-    let options = HeatOptions::new().kind(kind).par(par(params.threads));
+    let options = HeatOptions::new().kind(kind).par(params.par());
     Ok(if params.time == 0.0 { options } else { options.time(params.time) })
 }
 

@@ -1,10 +1,10 @@
 use super::boundary::boundary;
 use super::curve::{cata_curve_params, options, outcome_value};
-use super::outputs::{fill_room, fill_slice, hand_over, tell};
+use super::outputs::{copy_wanted, element, fill_room, fill_slice, tell};
 use super::params::{Params, flag, read_or_zeros};
 use super::pointer::{
-    check_size, free, known, known_mut, mesh, optional_output, optional_slice_mut, output, slice,
-    slice_mut,
+    free, hand_over, known, known_mut, mask, mesh, optional_output, optional_slice_mut, output,
+    put, slice, slice_mut,
 };
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use catamaran_geometry::curve::{Drawing, Drawn};
@@ -93,7 +93,7 @@ pub unsafe extern "C" fn cata_drawing_add(
         let found = params.caller().watch(|progress| {
             drawing.add(samples, &options.progress(progress)).map(|layer| layer.outcome)
         })?;
-        tell([outcome], [outcome_value(found)]);
+        put(outcome, outcome_value(found));
         Ok(())
     })
 }
@@ -136,15 +136,17 @@ pub unsafe extern "C" fn cata_drawn_size(
     layers: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: clause `handles` (`drawn`), clause `passed on` (`optional_output`).
-        let (found, places) = unsafe {
-            let places = [("n_vertices", n_vertices), ("n_faces", n_faces), ("layers", layers)];
-            let [n_vertices, n_faces, layers] =
-                places.map(|(what, place)| optional_output(what, place));
-            (&known("drawn", drawn)?.drawn, [n_vertices?, n_faces?, layers?])
-        };
-        let mesh = &found.refined.mesh;
-        tell(places, [mesh.vertices().len(), mesh.faces().len(), found.layers.len()]);
+        // SAFETY: clause `memory` (`n_vertices`, `n_faces`, `layers`, one value each), clause
+        // `handles` (`drawn`).
+        unsafe {
+            let found = &known("drawn", drawn)?.drawn;
+            let mesh = &found.refined.mesh;
+            tell! {
+                n_vertices: mesh.vertices().len(),
+                n_faces: mesh.faces().len(),
+                layers: found.layers.len(),
+            }
+        }
         Ok(())
     })
 }
@@ -168,33 +170,21 @@ pub unsafe extern "C" fn cata_drawn_get(
     weights: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: clause `memory` (`vertices`, `3 * n` elements; `faces`, `3 * m` elements;
-        // `of_faces`, `m` elements), clause `handles` (`drawn`).
-        let (found, vertices, faces, of_faces) = unsafe {
+        // SAFETY: clause `memory` (`vertices`, `corners`, `weights`, 3 elements a vertex; `faces`, 3
+        // a face; `of_faces`, one), clause `handles` (`drawn`).
+        unsafe {
             let found = &known("drawn", drawn)?.drawn.refined;
-            let (n, m) = (found.mesh.vertices().len(), found.mesh.faces().len());
-            (
-                found,
-                optional_slice_mut("vertices", vertices, 3 * n)?,
-                optional_slice_mut("faces", faces, 3 * m)?,
-                optional_slice_mut("of_faces", of_faces, m)?,
-            )
-        };
-        let n = found.vertices.len();
-        // SAFETY: clause `memory` (`corners`, `3 * n` elements; `weights`, `3 * n` elements).
-        let (corners, weights) = unsafe {
-            (
-                optional_slice_mut("corners", corners, 3 * n)?,
-                optional_slice_mut("weights", weights, 3 * n)?,
-            )
-        };
-        let around: Vec<[u32; 3]> = found.vertices.iter().map(|origin| origin.vertices).collect();
-        let shares: Vec<[f64; 3]> = found.vertices.iter().map(|origin| origin.weights).collect();
-        fill_slice(vertices, found.mesh.vertices().as_flattened());
-        fill_slice(faces, found.mesh.faces().as_flattened());
-        fill_slice(of_faces, &found.faces);
-        fill_slice(corners, around.as_flattened());
-        fill_slice(weights, shares.as_flattened());
+            let origins = &found.vertices;
+            let around: Vec<[u32; 3]> = origins.iter().map(|origin| origin.vertices).collect();
+            let shares: Vec<[f64; 3]> = origins.iter().map(|origin| origin.weights).collect();
+            copy_wanted! {
+                vertices: found.mesh.vertices().as_flattened(),
+                faces: found.mesh.faces().as_flattened(),
+                of_faces: &found.faces,
+                corners: around.as_flattened(),
+                weights: shares.as_flattened(),
+            }
+        }
         Ok(())
     })
 }
@@ -216,23 +206,18 @@ pub unsafe extern "C" fn cata_drawn_edges(
     count: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        check_size::<u32>("along", room, 2)?;
         // SAFETY: clause `memory` (`along`, `2 * room` elements; `count`, one value), clause
         // `handles` (`drawn`).
         let (found, along, count) = unsafe {
             (
                 &known("drawn", drawn)?.drawn,
-                optional_slice_mut("along", along, 2 * room)?,
+                optional_slice_mut("along", along.cast::<[u32; 2]>(), room)?,
                 output("count", count)?,
             )
         };
-        let Some(curves) = found.layers.get(layer) else {
-            let why =
-                format!("layer: must be less than {} (layers), is {layer}", found.layers.len());
-            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
-        };
+        let curves = element("layer", &found.layers, "layers", layer)?;
         let edges: Vec<[u32; 2]> = curves.iter().flat_map(|curve| curve.edges()).collect();
-        fill_room("edges", along, room, &edges)?;
+        fill_room("edges", along, &edges)?;
         *count = edges.len();
         Ok(())
     })
@@ -259,15 +244,10 @@ pub unsafe extern "C" fn cata_drawn_shares(
         let (found, inside, shares) = unsafe {
             let own = known("drawn", drawn)?;
             let found = &own.drawn.refined;
-            let inside = slice("inside", inside, found.faces.len())?;
+            let inside = mask("inside", inside, found.faces.len())?;
             (found, inside, slice_mut("shares", shares, own.n_faces)?)
         };
-        if let Some(f) = inside.iter().position(|&x| x > 1) {
-            let why = format!("inside: must be 0 or 1, but element {f} is {}", inside[f]);
-            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
-        }
-        let mask: Vec<bool> = inside.iter().map(|&x| x == 1).collect();
-        fill_slice(Some(shares), &found.shares(&mask)?);
+        fill_slice(Some(shares), &found.shares(&inside)?);
         Ok(())
     })
 }

@@ -16,11 +16,11 @@ use faer::{MatMut, MatRef};
 
 use super::boundary::boundary;
 use super::outputs::fill_slice;
-use super::params::{flag, init, or_default, params, with_params};
+use super::params::{Params, flag, init, or_default, params, with_params};
 use super::pointer::{
-    Layout, check_size, matrix_mut, optional_slice_mut, output, slice, slice_mut, sparse,
+    Layout, check_size, matrix_mut, optional_slice, optional_slice_mut, output, slice_mut, sparse,
 };
-use super::progress::{cata_progress, par, reported};
+use super::progress::{cata_progress, reported};
 use super::status::{Failure, cata_status};
 use catamaran::Error;
 use catamaran::sparse::{
@@ -293,11 +293,9 @@ unsafe fn pencil<'a>(
 /// # Safety
 /// `masses` is NULL or has n elements.
 pub(super) unsafe fn mass(n: usize, masses: *const f64) -> Result<Mass, Failure> {
-    Ok(match masses.is_null() {
-        true => Mass::identity(n),
-        // SAFETY: clause `memory` (`masses`, `n` elements).
-        false => Mass::Lumped(unsafe { slice("masses", masses, n) }?.to_vec()),
-    })
+    // SAFETY: clause `memory` (`masses`, `n` elements).
+    let masses = unsafe { optional_slice("masses", masses, n) }?;
+    Ok(masses.map_or_else(|| Mass::identity(n), |masses| Mass::Lumped(masses.to_vec())))
 }
 
 /// Returns a sink that passes slices to the caller.
@@ -306,6 +304,7 @@ pub(super) fn sink(
     user: *mut c_void,
 ) -> Result<impl FnMut(Eigenpairs) -> catamaran::Result<()>, Failure> {
     let slice = slice.ok_or_else(|| Failure::null("slice"))?;
+    // Clause `callbacks`: on this thread, one call at a time.
     Ok(move |pairs: Eigenpairs| {
         let Eigenpairs { values, vectors, residuals, .. } = pairs;
         let ldv = vectors.col_stride().unsigned_abs().max(1);
@@ -372,7 +371,7 @@ pub(super) unsafe fn with_eigen_options<X>(
         with_params(params, |params, progress| {
             let options = EigenOptions::new()
                 .k(k)
-                .par(par(params.threads))
+                .par(params.par())
                 .seed(params.seed)
                 .verify_count(flag("params.verify_count", params.verify_count)?)
                 .shift(flag("params.has_shift", params.has_shift)?.then_some(params.shift))
@@ -407,5 +406,5 @@ fn laplacian_options(params: &cata_eigs_params) -> Result<LaplacianOptions, Fail
             CATA_BOUNDARY_DIRICHLET => Boundary::Dirichlet,
             other => return Err(unknown("boundary", other)),
         })
-        .par(par(params.threads)))
+        .par(params.par()))
 }

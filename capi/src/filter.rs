@@ -1,8 +1,7 @@
 use super::boundary::boundary;
 use super::eigs::mass;
-use super::outputs::tell;
-use super::pointer::{Layout, matrix, optional_output, slice, slice_mut, sparse};
-use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE, Failure, cata_status};
+use super::pointer::{Layout, matrix, optional_output, put, slice, slice_mut, sparse};
+use super::status::{CATA_ERR_NON_FINITE, Failure, cata_status};
 use catamaran_geometry::spectral::{Response, dirichlet_energies};
 
 /// `response`: 1 up to the frequency `first`, 0 beyond.
@@ -52,10 +51,7 @@ pub unsafe extern "C" fn cata_filter_gains(
             CATA_RESPONSE_BAND_PASS => (Response::BandPass(first, second), true),
             CATA_RESPONSE_HEAT => (Response::Heat(first), false),
             CATA_RESPONSE_SHARPEN => (Response::Sharpen { time: first, amount: second }, true),
-            other => {
-                let why = format!("response: must be a CATA_RESPONSE_* value, is {other}");
-                return Err(Failure::new(CATA_ERR_ARGUMENT, why));
-            }
+            other => return Err(Failure::argument("response", "a CATA_RESPONSE_* value", other)),
         };
         for (what, number, is_used) in [("first", first, true), ("second", second, has_second)] {
             if is_used && number.is_nan() {
@@ -64,7 +60,7 @@ pub unsafe extern "C" fn cata_filter_gains(
             }
         }
         gains.iter_mut().zip(frequencies).for_each(|(gain, &x)| *gain = response.gain(x));
-        tell([rest], [response.limit()]);
+        put(rest, response.limit());
         Ok(())
     })
 }

@@ -1,12 +1,10 @@
 use std::ffi::c_char;
 
-use super::boundary::{boundary, text};
+use super::boundary::{boundary, utf8};
 use super::measures::cata_mesh_params;
 use super::mesh_file::cata_mesh_file;
-use super::outputs::hand_over;
-use super::params::{flag, with_params};
-use super::pointer::{output, slice};
-use super::progress::par;
+use super::params::{Params, flag, with_params};
+use super::pointer::{array, hand_over, output, slice};
 use super::status::{CATA_ERR_SHAPE, Failure, cata_status};
 use catamaran_geometry::mesh::{Lattice, Rim, families, isosurface, label_surface};
 
@@ -44,7 +42,7 @@ pub unsafe extern "C" fn cata_mesh_isosurface(
         // SAFETY: clause `structs` (`params`).
         let found = unsafe {
             with_params(params, |params, progress| {
-                Ok(isosurface(&lattice, values, level, rim, par(params.threads), progress)?)
+                Ok(isosurface(&lattice, values, level, rim, params.par(), progress)?)
             })
         }?;
         hand_over(place, cata_mesh_file { file: found.into() });
@@ -79,7 +77,7 @@ pub unsafe extern "C" fn cata_mesh_label_surface(
         // SAFETY: clause `structs` (`params`).
         let found = unsafe {
             with_params(params, |params, progress| {
-                Ok(label_surface(&lattice, labels, label, rim, par(params.threads), progress)?)
+                Ok(label_surface(&lattice, labels, label, rim, params.par(), progress)?)
             })
         }?;
         hand_over(place, cata_mesh_file { file: found.into() });
@@ -109,7 +107,7 @@ pub unsafe extern "C" fn cata_mesh_shape(
         // SAFETY: clause `memory` (`counts`, `n_counts` elements; `sizes`, `n_sizes` elements;
         // `file`, one value), clause `texts` (`name`).
         let (name, counts, sizes, place) = unsafe {
-            let name = text("name", name)?.to_string_lossy();
+            let name = utf8("name", name)?;
             let counts = slice("counts", counts, n_counts)?;
             (name, counts, slice("sizes", sizes, n_sizes)?, output("file", file)?)
         };
@@ -130,15 +128,16 @@ unsafe fn lattice(
 ) -> Result<(Lattice, usize), Failure> {
     // SAFETY: clause `memory` (`counts`, `3` elements; `origin`, `3` elements; `step`, `3`
     // elements).
-    let (counts, origin, step) = unsafe {
-        (slice("counts", counts, 3)?, slice("origin", origin, 3)?, slice("step", step, 3)?)
+    let lattice = unsafe {
+        let (counts, origin) = (array("counts", counts)?, array("origin", origin)?);
+        Lattice { counts, origin, step: array("step", step)? }
     };
-    let points = counts.iter().try_fold(1, |points: usize, &count| points.checked_mul(count));
+    let mut counts = lattice.counts.into_iter();
+    let points = counts.try_fold(1, |points: usize, count| points.checked_mul(count));
     let points = points.ok_or_else(|| {
         Failure::new(CATA_ERR_SHAPE, "counts: the points exceed the address space")
     })?;
-    let (origin, step) = (std::array::from_fn(|i| origin[i]), std::array::from_fn(|i| step[i]));
-    Ok((Lattice { counts: std::array::from_fn(|i| counts[i]), origin, step }, points))
+    Ok((lattice, points))
 }
 
 fn rim(open: i32) -> Result<Rim, Failure> {

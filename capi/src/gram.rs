@@ -10,7 +10,7 @@ use super::pointer::{
     Layout, matrix, matrix_mut, optional_matrix_mut, optional_output, optional_slice,
     optional_slice_mut, put,
 };
-use super::progress::{cata_progress, par};
+use super::progress::cata_progress;
 use super::rows::{CATA_CENTER_MEAN, CATA_CENTER_NONE};
 use super::status::{Failure, cata_status};
 use catamaran::rows::{Center, DenseRows, ExtendedGram, RowBlocks, RowOptions, ata_extended};
@@ -30,13 +30,6 @@ pub struct cata_gram_params {
     pub progress: cata_progress,
     /// Passed to `progress`.
     pub progress_user: *mut c_void,
-}
-
-impl cata_gram_params {
-    /// Calls `work`, which asks the callback whether to stop.
-    pub(super) fn watch<R>(&self, work: impl FnOnce() -> R) -> R {
-        self.caller().watch_the_end(work)
-    }
 }
 
 params!(cata_gram_params, progress_user: *mut c_void);
@@ -96,11 +89,10 @@ pub unsafe extern "C" fn cata_svd(
             return Ok(());
         }
         let gram = of_matrix("a", a, Center::No, &params)?;
-        let found = params.watch(|| SingularValues::from_gram(&gram, par(params.threads)))?;
+        let singular = || SingularValues::from_gram(&gram, params.par());
+        let found = params.caller().watch_the_end(singular)?;
         fill_slice(values, &found.values[..most]);
-        if let Some(v) = v {
-            fill(v, found.v.subcols(0, found.rank().min(most)));
-        }
+        fill(v, found.v.subcols(0, found.rank().min(most)));
         Ok(())
     })
 }
@@ -283,14 +275,11 @@ pub unsafe extern "C" fn cata_gram_cholesky_qr(
         if n == 0 {
             return Ok(());
         }
-        let par = par(params.threads);
         let gram = of_matrix("a", a.rb(), Center::No, &params)?;
-        let qr = params.watch(|| GramQr::from_gram(&gram, par))?;
+        let qr = params.caller().watch_the_end(|| GramQr::from_gram(&gram, params.par()))?;
         // Not to be stopped between rows of A and rows of Q.
-        qr.apply(a, par)?;
-        if let Some(r) = r {
-            fill(r, qr.r().as_ref());
-        }
+        qr.apply(a, params.par())?;
+        fill(r, qr.r().as_ref());
         Ok(())
     })
 }
@@ -299,11 +288,11 @@ pub unsafe extern "C" fn cata_gram_cholesky_qr(
 pub(super) fn extended(
     rows: &mut (dyn RowBlocks<f64> + Send),
     row_options: &RowOptions<'_, f64>,
-    params: &cata_gram_params,
+    params: &impl Params,
     name: impl Fn(usize) -> (&'static str, usize),
 ) -> Result<ExtendedGram, Failure> {
     let found = params.caller().with(|progress| {
-        let options = AtaOptions::new().par(par(params.threads)).progress(progress);
+        let options = AtaOptions::new().par(params.par()).progress(progress);
         ata_extended(rows, row_options, &options)
     });
     found.map_err(|error| match error {
@@ -320,7 +309,7 @@ pub(super) fn of_matrix(
     what: &'static str,
     a: MatRef<'_, f64>,
     center: Center<'_, f64>,
-    params: &cata_gram_params,
+    params: &impl Params,
 ) -> Result<ExtendedGram, Failure> {
     extended(&mut DenseRows(a), &RowOptions::new().center(center), params, |j| (what, j))
 }

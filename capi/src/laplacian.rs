@@ -17,10 +17,9 @@
 
 use super::boundary::boundary;
 use super::eigs::{cata_eigs_params, with_eigen_options};
-use super::outputs::{fill_slice, hand_over, tell};
-use super::pointer::{
-    check_size, free, known, mesh, optional_output, optional_slice_mut, output, slice, slice_mut,
-};
+use super::outputs::{copy, copy_wanted, fill_slice, tell};
+use super::pointer::{free, hand_over, known, mesh, optional_slice_mut, output, slice, slice_mut};
+use super::progress::reported;
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use catamaran::sparse::{CsMat, EigenOptions, Mass};
 use catamaran_geometry::mesh::{
@@ -73,10 +72,7 @@ pub unsafe extern "C" fn cata_laplacian_new(
                 }
                 of.boundary = Boundary::Mixed(held.to_vec());
             }
-            options.progress.report(0.0)?;
-            let found = self::laplacian(&mesh, &of)?;
-            options.progress.report(1.0)?;
-            Ok(found)
+            reported(options.progress, || self::laplacian(&mesh, &of))
         };
         // SAFETY: clause `structs` (`params`).
         let found = unsafe { with_eigen_options(0, params, work) }?;
@@ -103,19 +99,16 @@ pub unsafe extern "C" fn cata_cloud_laplacian(
     laplacian: *mut *mut cata_laplacian,
 ) -> cata_status {
     boundary(|| {
-        check_size::<f64>("points", n, 3)?;
+        let points = points.cast::<[f64; 3]>();
         // SAFETY: clause `memory` (`points`, `3 * n` elements; `laplacian`, one value).
         let (points, place) =
-            unsafe { (slice("points", points, 3 * n)?, output("laplacian", laplacian)?) };
+            unsafe { (slice("points", points, n)?, output("laplacian", laplacian)?) };
         let work = |options: &EigenOptions<'_>, of: &LaplacianOptions| {
             let mut how = CloudOptions::new().boundary(of.boundary.clone()).par(of.par);
             if neighbours > 0 {
                 how.neighbours = neighbours;
             }
-            options.progress.report(0.0)?;
-            let found = cloud_laplacian(points.as_chunks().0, &how)?;
-            options.progress.report(1.0)?;
-            Ok(found)
+            reported(options.progress, || cloud_laplacian(points, &how))
         };
         // SAFETY: clause `structs` (`params`).
         let found = unsafe { with_eigen_options(0, params, work) }?;
@@ -147,14 +140,13 @@ pub unsafe extern "C" fn cata_laplacian_size(
     masses: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: clause `handles` (`laplacian`), clause `passed on` (`optional_output`).
-        let (found, places) = unsafe {
-            let places = [("rows", rows), ("entries", entries), ("masses", masses)];
-            let [rows, entries, masses] = places.map(|(what, place)| optional_output(what, place));
-            (&known("laplacian", laplacian)?.found, [rows?, entries?, masses?])
-        };
-        let w = &found.stiffness;
-        tell(places, [w.rows(), w.nnz(), masses_of(found).len()]);
+        // SAFETY: clause `memory` (`rows`, `entries`, `masses`, one value each), clause `handles`
+        // (`laplacian`).
+        unsafe {
+            let found = &known("laplacian", laplacian)?.found;
+            let w = &found.stiffness;
+            tell!(rows: w.rows(), entries: w.nnz(), masses: masses_of(found).len());
+        }
         Ok(())
     })
 }
@@ -176,18 +168,21 @@ pub unsafe extern "C" fn cata_laplacian_get(
     w: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: clause `memory` (`kept`, `n` elements), clause `handles` (`laplacian`), clause
-        // `passed on` (`Csr::new`).
-        let (found, kept, places) = unsafe {
+        // SAFETY: clause `memory` (`kept`, one element a row; `row_starts`, one more; `columns` and
+        // `w`, one element an entry), clause `handles` (`laplacian`).
+        unsafe {
             let found = &known("laplacian", laplacian)?.found;
-            let n = found.kept.len();
-            let kept = optional_slice_mut("kept", kept, n)?;
-            (found, kept, Csr::new(n, found.stiffness.nnz(), row_starts, columns, ("w", w))?)
-        };
-        // A mesh has fewer than 2^32 vertices.
-        let vertices: Vec<u32> = found.kept.iter().map(|&v| v as u32).collect();
-        fill_slice(kept, &vertices);
-        places.write(&found.stiffness);
+            // A mesh has fewer than 2^32 vertices.
+            let vertices: Vec<u32> = found.kept.iter().map(|&v| v as u32).collect();
+            let own = &found.stiffness;
+            let starts = own.indptr();
+            copy_wanted! {
+                kept: &vertices,
+                row_starts: starts.raw_storage(),
+                columns: own.indices(),
+                w: own.data(),
+            }
+        }
         Ok(())
     })
 }
@@ -203,14 +198,9 @@ pub unsafe extern "C" fn cata_laplacian_masses(
     masses: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: clause `memory` (`masses`, `found.len()` elements), clause `handles`
+        // SAFETY: clause `memory` (`masses`, one element for each), clause `handles`
         // (`laplacian`).
-        let (found, masses) = unsafe {
-            let found = masses_of(&known("laplacian", laplacian)?.found);
-            (found, slice_mut("masses", masses, found.len())?)
-        };
-        masses.copy_from_slice(found);
-        Ok(())
+        unsafe { copy("masses", masses, masses_of(&known("laplacian", laplacian)?.found)) }
     })
 }
 
@@ -238,7 +228,7 @@ pub unsafe extern "C" fn cata_laplacian_gradient(
         let (mesh, places) = unsafe {
             let mesh = mesh(n_vertices, vertices, n_faces, faces)?;
             let (rows, count) = (3 * n_faces, 9 * n_faces);
-            (mesh, Csr::new(rows, count, row_starts, columns, ("entries", entries))?)
+            (mesh, Csr::new(rows, count, row_starts, columns, entries)?)
         };
         places.write(&gradient(&mesh)?);
         Ok(())
@@ -269,7 +259,7 @@ pub unsafe extern "C" fn cata_laplacian_divergence(
         let (mesh, places) = unsafe {
             let mesh = mesh(n_vertices, vertices, n_faces, faces)?;
             let count = 9 * n_faces;
-            (mesh, Csr::new(n_vertices, count, row_starts, columns, ("entries", entries))?)
+            (mesh, Csr::new(n_vertices, count, row_starts, columns, entries)?)
         };
         places.write(&divergence(&mesh)?);
         Ok(())
@@ -316,15 +306,15 @@ impl<'a> Csr<'a> {
         count: usize,
         row_starts: *mut usize,
         columns: *mut usize,
-        (what, entries): (&'static str, *mut f64),
+        entries: *mut f64,
     ) -> Result<Self, Failure> {
-        // SAFETY: clause `memory` (`row_starts`, `rows + 1` elements; `columns`, `count` elements),
-        // clause `passed on` (`optional_slice_mut`).
+        // SAFETY: clause `memory` (`row_starts`, `rows + 1` elements; `columns`, `count` elements;
+        // `entries`, `count` elements).
         unsafe {
             Ok(Self {
                 row_starts: optional_slice_mut("row_starts", row_starts, rows + 1)?,
                 columns: optional_slice_mut("columns", columns, count)?,
-                entries: optional_slice_mut(what, entries, count)?,
+                entries: optional_slice_mut("entries", entries, count)?,
             })
         }
     }

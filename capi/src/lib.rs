@@ -17,13 +17,16 @@
 //!   not aligned, extents beyond the address space and, by `regions`, outputs that overlap another
 //!   argument. Whether the memory exists is the caller's part.
 //! - **`handles`**: a handle is NULL, which is refused or does nothing, or came from a constructor
-//!   and has not been freed; nobody else uses one that is taken without `const`. The crate does
-//!   not look behind the pointer before it is compared with NULL.
+//!   and has not been freed; nobody else, a callback of the call included, uses one that is taken
+//!   without `const`, or frees one. The crate does not look behind the pointer before it is
+//!   compared with NULL. `known` takes only what threads may share.
 //! - **`structs`**: a struct of parameters or results is NULL where it may be, or has as many bytes
 //!   as its first field, `struct_size`, says. `params` checks the size and touches no more bytes,
 //!   and all fields may be 0. Pointers inside follow their own clause.
 //! - **`texts`**: a text is NULL, which is refused or means the default, or ends with a NUL and is
-//!   not written during the call.
+//!   not written during the call. It is copied at once (`utf8`, `path`).
+//! - **`callbacks`**: a callback does not unwind or jump out, and takes its `user` on any thread,
+//!   one call at a time. Only `progress` and `sink` call one.
 //! - **`passed on`**: the named function has the contract of the function that calls it, and gets
 //!   its arguments as they are, or those parts of them that it describes.
 

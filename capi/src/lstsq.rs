@@ -14,12 +14,14 @@ use std::ffi::c_void;
 use faer::{MatMut, MatRef};
 
 use super::boundary::boundary;
-use super::gram::{cata_gram_params, extended};
+use super::gram::extended;
 use super::outputs::{fill, fill_slice};
-use super::params::{flag, init, read_or_zeros, versioned};
-use super::pointer::{Layout, matrix, optional_matrix_mut, optional_slice, optional_slice_mut};
-use super::progress::{cata_progress, par};
-use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
+use super::params::{Params, flag, init, or_default, params, read_or_zeros, results, versioned};
+use super::pointer::{
+    Layout, matrix, optional_matrix_mut, optional_output, optional_slice, optional_slice_mut, put,
+};
+use super::progress::cata_progress;
+use super::status::{Failure, cata_status};
 use catamaran::base::zeros;
 use catamaran::rows::{Center, DenseRows, RowOptions};
 use catamaran::solve::{
@@ -51,7 +53,7 @@ pub struct cata_lstsq_params {
     pub confidence: f64,
 }
 
-versioned!(cata_lstsq_params, refuse_dependent: i32);
+params!(cata_lstsq_params, refuse_dependent: i32);
 
 /// Fills a struct with the defaults.
 ///
@@ -185,9 +187,9 @@ pub unsafe extern "C" fn cata_lstsq(
         let (mut a, mut b) = (DenseRows(call.a), DenseRows(call.b));
         let rows = &mut JoinedRows::new(&mut a, &mut b)?;
         let name = |j: usize| if j < n { ("a", j) } else { ("b", j - n) };
-        let watched = call.params.watched();
-        let gram = extended(rows, &row_options, &watched, name)?;
-        let found = watched.watch(|| LeastSquares::from_gram(&gram, k, &call.options))?;
+        let gram = extended(rows, &row_options, &call.params, name)?;
+        let solution = || LeastSquares::from_gram(&gram, k, &call.options);
+        let found = call.params.caller().watch_the_end(solution)?;
         call.finish(&found)
     })
 }
@@ -224,7 +226,7 @@ impl LeastSquaresCall<'_> {
     ) -> Result<Self, Failure> {
         let layout = Layout::new(layout)?;
         if k == 0 {
-            return Err(Failure::new(CATA_ERR_ARGUMENT, "k: must be at least 1, is 0"));
+            return Err(Failure::argument("k", "at least 1", k));
         }
         // SAFETY: clause `memory` (`a`, m x n; `b`, m x k; `weights`, `m` elements), clause
         // `structs` (`params`), clause `passed on` (`LeastSquaresOutputs::new`).
@@ -248,13 +250,24 @@ impl LeastSquaresCall<'_> {
 /// The places for a least-squares solution.
 pub(super) struct LeastSquaresOutputs<'a> {
     x: Option<MatMut<'a, f64>>,
+    standard_errors: Option<MatMut<'a, f64>>,
+    t: Option<MatMut<'a, f64>>,
+    p: Option<MatMut<'a, f64>>,
+    /// Lower and upper ends.
+    ends: [Option<MatMut<'a, f64>>; 2],
     residual_norms: Option<&'a mut [f64]>,
     r_squared: Option<&'a mut [f64]>,
     intercepts: Option<&'a mut [f64]>,
-    standard_errors: Option<MatMut<'a, f64>>,
     intercept_errors: Option<&'a mut [f64]>,
+    intercept_p: Option<&'a mut [f64]>,
+    intercept_ends: [Option<&'a mut [f64]>; 2],
+    deviations: Option<&'a mut [f64]>,
+    adjusted_r_squared: Option<&'a mut [f64]>,
+    f: Option<&'a mut [f64]>,
+    f_p: Option<&'a mut [f64]>,
+    covariances: Option<&'a mut [f64]>,
     dependent: Option<&'a mut [usize]>,
-    statistics: Statistics<'a>,
+    observations: Option<&'a mut usize>,
     /// NULL, or a struct that has the fields of its first version.
     result: *mut cata_lstsq_result,
 }
@@ -272,32 +285,40 @@ impl LeastSquaresOutputs<'_> {
         ldx: usize,
         result: *mut cata_lstsq_result,
     ) -> Result<Self, Failure> {
-        // SAFETY: clause `memory` (`x`, n x k; `result.residual_norms`, `k` elements;
-        // `result.r_squared`, `k` elements; `result.intercepts`, `k` elements;
-        // `result.intercept_errors`, `k` elements; `result.dependent`, `n` elements), clause
-        // `structs` (`result`), clause `passed on` (`Statistics::new`).
+        // SAFETY: clause `memory` (`x`, n x k; the arrays of `result`, as cata_lstsq_result
+        // describes them), clause `structs` (`result`).
         unsafe {
-            let arrays = read_or_zeros("result", result.cast_const())?;
-            let errors = arrays.standard_errors;
+            let arrays = results("result", result)?;
             // An error of the leading dimension names that of X, which is the same argument.
-            let standard_errors = optional_matrix_mut("x", layout, n, k, errors, ldx)?;
+            let matrix = |place| optional_matrix_mut("x", layout, n, k, place, ldx);
+            let numbers = |what, place| optional_slice_mut(what, place, k);
+            // More than that exceed the address space, which is then said.
+            let size = (n + 1).saturating_mul(n + 1).saturating_mul(k);
             Ok(Self {
-                x: optional_matrix_mut("x", layout, n, k, x, ldx)?,
-                residual_norms: optional_slice_mut(
-                    "result.residual_norms",
-                    arrays.residual_norms,
-                    k,
+                standard_errors: matrix(arrays.standard_errors)?,
+                x: matrix(x)?,
+                t: matrix(arrays.t_statistics)?,
+                p: matrix(arrays.p_values)?,
+                ends: [matrix(arrays.lower)?, matrix(arrays.upper)?],
+                residual_norms: numbers("result.residual_norms", arrays.residual_norms)?,
+                r_squared: numbers("result.r_squared", arrays.r_squared)?,
+                intercepts: numbers("result.intercepts", arrays.intercepts)?,
+                intercept_errors: numbers("result.intercept_errors", arrays.intercept_errors)?,
+                intercept_p: numbers("result.intercept_p_values", arrays.intercept_p_values)?,
+                intercept_ends: [
+                    numbers("result.intercept_lower", arrays.intercept_lower)?,
+                    numbers("result.intercept_upper", arrays.intercept_upper)?,
+                ],
+                deviations: numbers("result.residual_deviations", arrays.residual_deviations)?,
+                adjusted_r_squared: numbers(
+                    "result.adjusted_r_squared",
+                    arrays.adjusted_r_squared,
                 )?,
-                r_squared: optional_slice_mut("result.r_squared", arrays.r_squared, k)?,
-                intercepts: optional_slice_mut("result.intercepts", arrays.intercepts, k)?,
-                standard_errors,
-                intercept_errors: optional_slice_mut(
-                    "result.intercept_errors",
-                    arrays.intercept_errors,
-                    k,
-                )?,
+                f: numbers("result.f_statistics", arrays.f_statistics)?,
+                f_p: numbers("result.f_p_values", arrays.f_p_values)?,
+                covariances: optional_slice_mut("result.covariances", arrays.covariances, size)?,
                 dependent: optional_slice_mut("result.dependent", arrays.dependent, n)?,
-                statistics: Statistics::new(layout, n, k, ldx, &arrays)?,
+                observations: optional_output("result.observations", arrays.observations)?,
                 result,
             })
         }
@@ -313,178 +334,88 @@ impl LeastSquaresOutputs<'_> {
             .ridge(params.ridge)
             .intercept(flag("params.intercept", params.intercept)?)
             .rank_deficiency(deficiency)
-            .standard_errors(
-                self.standard_errors.is_some()
-                    || self.intercept_errors.is_some()
-                    || self.statistics.need_errors(),
-            )
-            .par(par(params.threads)))
+            .standard_errors(self.need_errors())
+            .par(params.par()))
     }
 
-    /// Writes the solution and the results that are wanted. An error leaves all outputs as they
-    /// were.
+    /// Returns whether a result is wanted that takes standard errors.
+    fn need_errors(&self) -> bool {
+        let matrices = [&self.standard_errors, &self.t, &self.p];
+        let numbers = [&self.intercept_errors, &self.intercept_p, &self.covariances];
+        matrices.into_iter().any(Option::is_some)
+            || numbers.into_iter().any(Option::is_some)
+            || self.need_ends()
+    }
+
+    /// Returns whether a confidence interval is wanted.
+    fn need_ends(&self) -> bool {
+        let of_intercept = self.intercept_ends.iter().any(Option::is_some);
+        of_intercept || self.ends.iter().any(Option::is_some)
+    }
+
+    /// Writes the solution and the results that are wanted, when all of them are computed: an error
+    /// leaves all outputs as they were.
     pub fn write(
         self,
         found: &LeastSquares,
         options: &LeastSquaresOptions,
         params: &cata_lstsq_params,
     ) -> Result<(), Failure> {
-        self.statistics.write(found, params.confidence)?;
-        let intercept = options.intercept;
-        if let Some(x) = self.x {
-            fill(x, found.coefficients.as_ref());
+        /// What a confidence of 0 stands for.
+        const CONFIDENCE: f64 = 0.95;
+        let t = self.t.is_some().then(|| found.t_statistics()).transpose()?;
+        let p = self.p.is_some().then(|| found.p_values()).transpose()?;
+        let confidence = or_default(params.confidence, CONFIDENCE);
+        let ends = self.need_ends().then(|| -> Result<_, Failure> {
+            let of_intercept = found.intercept_intervals(confidence)?;
+            Ok((found.confidence_intervals(confidence)?, of_intercept))
+        });
+        let ends = ends.transpose()?;
+        let covariances = self.covariances.is_some().then(|| covariances(found)).transpose()?;
+
+        fill(self.x, found.coefficients.as_ref());
+        fill(self.standard_errors, found.standard_errors.as_ref());
+        for (place, numbers) in [(self.t, t), (self.p, p)] {
+            if let Some(numbers) = numbers {
+                fill(place, numbers.as_ref());
+            }
+        }
+        if options.intercept {
+            fill_slice(self.intercept_errors, &found.intercept_errors);
+            fill_slice(self.intercept_p, &found.intercept_p_values());
+        }
+        if let Some((ends, of_intercept)) = ends {
+            self.ends.into_iter().zip(ends).for_each(|(place, ends)| fill(place, ends.as_ref()));
+            for (which, place) in self.intercept_ends.into_iter().enumerate() {
+                let ends: Vec<f64> = of_intercept.iter().map(|ends| ends[which]).collect();
+                fill_slice(place.filter(|_| options.intercept), &ends);
+            }
         }
         fill_slice(self.residual_norms, &found.residual_norms);
         fill_slice(self.r_squared, &found.r_squared);
         fill_slice(self.intercepts, &found.intercepts);
-        if let Some(errors) = self.standard_errors {
-            fill(errors, found.standard_errors.as_ref());
-        }
-        if intercept {
-            fill_slice(self.intercept_errors, &found.intercept_errors);
-        }
+        fill_slice(self.deviations, &found.residual_deviations());
+        fill_slice(self.adjusted_r_squared, &found.adjusted_r_squared());
+        fill_slice(self.f, &found.f_statistics);
+        fill_slice(self.f_p, &found.f_p_values());
+        fill_slice(self.covariances, covariances.as_deref().unwrap_or_default());
         if let Some(dependent) = self.dependent {
             dependent[..found.dependent.len()].copy_from_slice(&found.dependent);
         }
-        if self.result.is_null() {
+        put(self.observations, found.observations as usize);
+        let result = self.result;
+        if result.is_null() {
             return Ok(());
         }
-        let result = self.result;
-        // SAFETY: `new` has checked the alignment and the size of the first version, whose fields
-        // these are; the caller promises that they can be written.
+        // SAFETY: clause `structs` (`result`): `results` has checked the alignment and the size of
+        // the first version, whose fields these are, and `regions` keeps the struct apart from the
+        // arrays.
         unsafe {
             (&raw mut (*result).rank).write(found.rank);
             (&raw mut (*result).degrees_of_freedom).write(found.degrees_of_freedom as usize);
             (&raw mut (*result).condition).write(found.condition);
             (&raw mut (*result).digits).write(found.digits);
         }
-        Ok(())
-    }
-}
-
-/// The places for what is computed from a solution and its standard errors.
-struct Statistics<'a> {
-    t: Option<MatMut<'a, f64>>,
-    p: Option<MatMut<'a, f64>>,
-    /// Lower and upper ends.
-    ends: [Option<MatMut<'a, f64>>; 2],
-    intercept_p: Option<&'a mut [f64]>,
-    intercept_ends: [Option<&'a mut [f64]>; 2],
-    deviations: Option<&'a mut [f64]>,
-    adjusted_r_squared: Option<&'a mut [f64]>,
-    f: Option<&'a mut [f64]>,
-    f_p: Option<&'a mut [f64]>,
-    covariances: Option<&'a mut [f64]>,
-    observations: Option<&'a mut [usize]>,
-}
-
-impl Statistics<'_> {
-    /// Creates the places from pointers.
-    ///
-    /// # Safety
-    /// The pointers of `arrays` are as cata_lstsq_result describes them, and live as long as this.
-    unsafe fn new(
-        layout: Layout,
-        n: usize,
-        k: usize,
-        ldx: usize,
-        arrays: &cata_lstsq_result,
-    ) -> Result<Self, Failure> {
-        // SAFETY: clause `memory` (the arrays of `arrays`, as cata_lstsq_result describes them). An
-        // error of the leading dimension names that of X, which is the same argument.
-        unsafe {
-            let matrix = |place| optional_matrix_mut("x", layout, n, k, place, ldx);
-            let size = (n + 1).saturating_mul(n + 1).saturating_mul(k);
-            Ok(Self {
-                t: matrix(arrays.t_statistics)?,
-                p: matrix(arrays.p_values)?,
-                ends: [matrix(arrays.lower)?, matrix(arrays.upper)?],
-                intercept_p: optional_slice_mut(
-                    "result.intercept_p_values",
-                    arrays.intercept_p_values,
-                    k,
-                )?,
-                intercept_ends: [
-                    optional_slice_mut("result.intercept_lower", arrays.intercept_lower, k)?,
-                    optional_slice_mut("result.intercept_upper", arrays.intercept_upper, k)?,
-                ],
-                deviations: optional_slice_mut(
-                    "result.residual_deviations",
-                    arrays.residual_deviations,
-                    k,
-                )?,
-                adjusted_r_squared: optional_slice_mut(
-                    "result.adjusted_r_squared",
-                    arrays.adjusted_r_squared,
-                    k,
-                )?,
-                f: optional_slice_mut("result.f_statistics", arrays.f_statistics, k)?,
-                f_p: optional_slice_mut("result.f_p_values", arrays.f_p_values, k)?,
-                covariances: optional_slice_mut("result.covariances", arrays.covariances, size)?,
-                observations: optional_slice_mut("result.observations", arrays.observations, 1)?,
-            })
-        }
-    }
-
-    /// Returns whether a result is wanted that takes standard errors.
-    fn need_errors(&self) -> bool {
-        let ends = self.ends.iter().any(Option::is_some);
-        let of_intercept = self.intercept_ends.iter().any(Option::is_some);
-        self.t.is_some()
-            || self.p.is_some()
-            || self.intercept_p.is_some()
-            || self.covariances.is_some()
-            || ends
-            || of_intercept
-    }
-
-    /// Writes the results that are wanted, when all of them are computed.
-    fn write(self, found: &LeastSquares, confidence: f64) -> Result<(), Failure> {
-        /// What a confidence of 0 stands for.
-        const CONFIDENCE: f64 = 0.95;
-        let t = self.t.as_ref().map(|_| found.t_statistics()).transpose()?;
-        let p = self.p.as_ref().map(|_| found.p_values()).transpose()?;
-        let wants_ends = self.ends.iter().any(Option::is_some);
-        let wants_ends = wants_ends || self.intercept_ends.iter().any(Option::is_some);
-        let confidence = if confidence == 0.0 { CONFIDENCE } else { confidence };
-        let ends = wants_ends
-            .then(|| -> Result<_, Failure> {
-                let own = found.intercept_intervals(confidence)?;
-                Ok((found.confidence_intervals(confidence)?, own))
-            })
-            .transpose()?;
-        let covariances = match self.covariances.is_some() {
-            true => covariances(found)?,
-            false => Vec::new(),
-        };
-        for (place, numbers) in [(self.t, t), (self.p, p)] {
-            if let (Some(place), Some(numbers)) = (place, numbers) {
-                fill(place, numbers.as_ref());
-            }
-        }
-        if let Some((ends, of_intercept)) = ends {
-            for (place, numbers) in self.ends.into_iter().zip(ends) {
-                if let Some(place) = place {
-                    fill(place, numbers.as_ref());
-                }
-            }
-            for (which, place) in self.intercept_ends.into_iter().enumerate() {
-                let numbers: Vec<f64> = of_intercept.iter().map(|ends| ends[which]).collect();
-                if !numbers.is_empty() {
-                    fill_slice(place, &numbers);
-                }
-            }
-        }
-        let intercept_p = found.intercept_p_values();
-        if !intercept_p.is_empty() {
-            fill_slice(self.intercept_p, &intercept_p);
-        }
-        fill_slice(self.deviations, &found.residual_deviations());
-        fill_slice(self.adjusted_r_squared, &found.adjusted_r_squared());
-        fill_slice(self.f, &found.f_statistics);
-        fill_slice(self.f_p, &found.f_p_values());
-        fill_slice(self.covariances, &covariances);
-        fill_slice(self.observations, &[found.observations as usize]);
         Ok(())
     }
 }
@@ -505,11 +436,4 @@ fn covariances(found: &LeastSquares) -> Result<Vec<f64>, Failure> {
         }
     }
     Ok(all)
-}
-
-impl cata_lstsq_params {
-    pub(super) fn watched(&self) -> cata_gram_params {
-        let &Self { struct_size, threads, progress, progress_user, .. } = self;
-        cata_gram_params { struct_size, threads, progress, progress_user }
-    }
 }

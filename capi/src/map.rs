@@ -4,10 +4,10 @@ use faer::MatRef;
 
 use super::basis::{Functions, cata_basis, cata_basis_params, with_basis_options};
 use super::boundary::boundary;
-use super::outputs::{fill_slice, hand_over};
+use super::outputs::fill_slice;
 use super::params::flag;
 use super::pointer::{
-    Layout, check_size, free, known, known_mut, matrix, matrix_mut, output, slice, slice_mut,
+    Layout, free, hand_over, known, known_mut, matrix, matrix_mut, output, slice, slice_mut,
 };
 use super::progress::reported;
 use super::status::{Failure, cata_status};
@@ -120,10 +120,10 @@ pub unsafe extern "C" fn cata_map_fit_landmarks(
     pairs: *const u32,
 ) -> cata_status {
     boundary(|| {
-        check_size::<u32>("pairs", count, 2)?;
+        let pairs = pairs.cast::<[u32; 2]>();
         // SAFETY: clause `memory` (`pairs`, `2 * count` elements), clause `handles` (`fit`).
-        let (fit, pairs) = unsafe { (known_mut("fit", fit)?, slice("pairs", pairs, 2 * count)?) };
-        let pairs: Vec<(u32, u32)> = pairs.as_chunks().0.iter().map(|&[x, y]| (x, y)).collect();
+        let (fit, pairs) = unsafe { (known_mut("fit", fit)?, slice("pairs", pairs, count)?) };
+        let pairs: Vec<(u32, u32)> = pairs.iter().map(|&[x, y]| (x, y)).collect();
         fit.add(|fit| fit.landmarks(&pairs))
     })
 }

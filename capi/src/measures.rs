@@ -2,9 +2,9 @@ use std::ffi::c_void;
 
 use super::boundary::boundary;
 use super::outputs::{fill_slice, tell};
-use super::params::{init, params, with_params};
-use super::pointer::{mesh, optional_output, optional_slice_mut};
-use super::progress::{cata_progress, par, reported};
+use super::params::{Params, init, params, with_params};
+use super::pointer::{mesh, optional_output, optional_slice_mut, put};
+use super::progress::{cata_progress, reported};
 use super::status::cata_status;
 use catamaran::base::{Error, Progress};
 use catamaran_geometry::decimate::{Difference, Quality};
@@ -69,10 +69,11 @@ pub unsafe extern "C" fn cata_mesh_measures(
         // value; `volume`, one value; `face_areas`, `n_faces` elements; `qualities`, `n_faces`
         // elements; `face_normals`, `3 * n_faces` elements; `vertex_normals`, `3 * n_vertices`
         // elements).
-        let (mesh, totals, areas, qualities, of_faces, of_vertices) = unsafe {
+        let (mesh, area, volume, areas, qualities, of_faces, of_vertices) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,
-                [optional_output("area", area)?, optional_output("volume", volume)?],
+                optional_output("area", area)?,
+                optional_output("volume", volume)?,
                 optional_slice_mut("face_areas", face_areas, n_faces)?,
                 optional_slice_mut("qualities", qualities, n_faces)?,
                 optional_slice_mut("face_normals", face_normals, 3 * n_faces)?,
@@ -80,8 +81,7 @@ pub unsafe extern "C" fn cata_mesh_measures(
             )
         };
         mesh.check_size()?;
-        let [area, volume] = totals;
-        tell([area], [mesh.area()]);
+        put(area, mesh.area());
         if let Some(volume) = volume {
             *volume = mesh.volume().unwrap_or(f64::NAN);
         }
@@ -120,38 +120,23 @@ pub unsafe extern "C" fn cata_mesh_quality(
     non_manifold_edges: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face;
-        // `non_manifold_edges`, one value), clause `passed on` (`optional_output`).
-        let (mesh, places, edges) = unsafe {
-            let places = [
-                ("mean_area", mean_area),
-                ("area_variation", area_variation),
-                ("mean_quality", mean_quality),
-                ("quality_deviation", quality_deviation),
-                ("least_quality", least_quality),
-                ("mean_valence", mean_valence),
-                ("regular_vertices", regular_vertices),
-            ];
-            let [a, b, c, d, e, f, g] = places.map(|(what, place)| optional_output(what, place));
-            (
-                mesh(n_vertices, vertices, n_faces, faces)?,
-                [a?, b?, c?, d?, e?, f?, g?],
-                optional_output("non_manifold_edges", non_manifold_edges)?,
-            )
-        };
-        mesh.check_size()?;
-        let found = Quality::of(&mesh);
-        let numbers = [
-            found.mean_area,
-            found.area_variation,
-            found.mean_quality,
-            found.quality_deviation,
-            found.least_quality,
-            found.mean_valence,
-            found.regular_vertices,
-        ];
-        tell(places, numbers);
-        tell([edges], [found.non_manifold_edges]);
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; the others,
+        // one value each).
+        unsafe {
+            let mesh = mesh(n_vertices, vertices, n_faces, faces)?;
+            mesh.check_size()?;
+            let found = Quality::of(&mesh);
+            tell! {
+                mean_area: found.mean_area,
+                area_variation: found.area_variation,
+                mean_quality: found.mean_quality,
+                quality_deviation: found.quality_deviation,
+                least_quality: found.least_quality,
+                mean_valence: found.mean_valence,
+                regular_vertices: found.regular_vertices,
+                non_manifold_edges: found.non_manifold_edges,
+            }
+        }
         Ok(())
     })
 }
@@ -186,7 +171,7 @@ pub unsafe extern "C" fn cata_mesh_compare(
     boundary(|| {
         // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `out`, `3`
         // elements; `back`, `3` elements; `hausdorff`, one value; `chamfer`, one value).
-        let (first, second, sides, at_vertices) = unsafe {
+        let (first, second, sides, [hausdorff, chamfer]) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,
                 mesh(other_n_vertices, other_vertices, other_n_faces, other_faces)
@@ -195,9 +180,9 @@ pub unsafe extern "C" fn cata_mesh_compare(
                 [optional_output("hausdorff", hausdorff)?, optional_output("chamfer", chamfer)?],
             )
         };
-        let wants = (sides.iter().any(Option::is_some), at_vertices.iter().any(Option::is_some));
+        let wants = (sides.iter().any(Option::is_some), hausdorff.is_some() || chamfer.is_some());
         let work = |params: &cata_mesh_params, progress: Progress<'_>| {
-            let par = par(params.threads);
+            let par = params.par();
             reported(progress, || {
                 let spread = wants.0.then(|| Comparison::between(&first, &second, par));
                 let distances = wants.1.then(|| Difference::between(&first, &second, par));
@@ -211,7 +196,8 @@ pub unsafe extern "C" fn cata_mesh_compare(
             fill_slice(place, &[side.largest, side.mean, side.angle]);
         }
         if let Some(distances) = distances {
-            tell(at_vertices, [distances.hausdorff, distances.chamfer]);
+            put(hausdorff, distances.hausdorff);
+            put(chamfer, distances.chamfer);
         }
         Ok(())
     })

@@ -15,7 +15,7 @@ use std::ffi::c_void;
 
 use super::boundary::boundary;
 use super::eigs::{Outputs, cata_eigs_params, cata_eigs_slice, sink, with_eigen_options};
-use super::pointer::{mesh, optional_slice_mut, output, slice, slice_mut};
+use super::pointer::{self, mesh, optional_slice_mut, output, slice_mut};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use catamaran::sparse::{EigenOptions, Eigenpairs, Mass, eigs, eigs_sliced};
 use catamaran_geometry::mesh::{
@@ -162,15 +162,10 @@ pub unsafe extern "C" fn cata_mesh_part_eigenvalues(
         let (mesh, mask, eigenvalues) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,
-                slice("mask", mask, n_vertices)?,
+                pointer::mask("mask", mask, n_vertices)?,
                 slice_mut("eigenvalues", eigenvalues, k)?,
             )
         };
-        if let Some(v) = mask.iter().position(|&inside| inside > 1) {
-            let why = format!("mask: must be 0 or 1, but element {v} is {}", mask[v]);
-            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
-        }
-        let mask: Vec<bool> = mask.iter().map(|&inside| inside == 1).collect();
         let work = |options: &EigenOptions<'_>, of: &LaplacianOptions| {
             let parts = PartSpectra::new(&mesh, of)?.progress(options.progress);
             Ok(match of.boundary {

@@ -1,10 +1,10 @@
-use std::ffi::{CStr, c_char};
+use std::ffi::c_char;
 
-use super::boundary::{boundary, text};
-use super::mesh_file::{cata_mesh_file, numbered};
-use super::outputs::{tell, write_text};
+use super::boundary::{boundary, utf8};
+use super::mesh_file::cata_mesh_file;
+use super::outputs::{copy_wanted, element, tell, write_text};
 use super::pointer::{
-    known, known_mut, optional_output, optional_slice, optional_slice_mut, output, slice, slice_mut,
+    known, known_mut, optional_slice, optional_slice_mut, output, slice, slice_mut,
 };
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use catamaran::base::Error;
@@ -32,14 +32,16 @@ pub unsafe extern "C" fn cata_mesh_file_has(
     colors: *mut i32,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: clause `handles` (`file`), clause `passed on` (`optional_output`).
-        let (file, places) = unsafe {
-            let places = [("uv", uv), ("normals", normals), ("colors", colors)];
-            let [uv, normals, colors] = places.map(|(what, place)| optional_output(what, place));
-            (&known("file", file)?.file, [uv?, normals?, colors?])
-        };
-        let has = [file.uv.is_some(), file.normals.is_some(), file.colors.is_some()];
-        tell(places, has.map(i32::from));
+        // SAFETY: clause `memory` (`uv`, `normals`, `colors`, one value each), clause `handles`
+        // (`file`).
+        unsafe {
+            let own = &known("file", file)?.file;
+            tell! {
+                uv: own.uv.is_some().into(),
+                normals: own.normals.is_some().into(),
+                colors: own.colors.is_some().into(),
+            }
+        }
         Ok(())
     })
 }
@@ -216,7 +218,7 @@ pub unsafe extern "C" fn cata_mesh_file_name(
     boundary(|| {
         // SAFETY: clause `memory` (`name`, `size` elements), clause `handles` (`file`).
         let (file, name) = unsafe { (&known("file", file)?.file, slice_mut("name", name, size)?) };
-        write_text(name, numbered(names(file, kind)?, "names", index)?);
+        write_text(name, element("index", names(file, kind)?, "names", index)?);
         Ok(())
     })
 }
@@ -278,7 +280,7 @@ pub unsafe extern "C" fn cata_mesh_file_set_names(
         let mut names = Vec::with_capacity(count);
         for &name in texts {
             // SAFETY: clause `texts` (`names`).
-            names.push(utf8(unsafe { text("names", name) }?)?);
+            names.push(unsafe { utf8("names", name) }?);
         }
         let beyond = |&i: &u32| i != CATA_MESH_NO_NAME && i as usize >= count;
         if let Some(f) = of_faces.iter().position(beyond) {
@@ -329,23 +331,14 @@ pub unsafe extern "C" fn cata_mesh_file_get_scalars(
     values: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: clause `handles` (`file`).
-        let file = unsafe { &known("file", file)?.file };
-        let all = &file.scalars;
-        let found = all.get(index).ok_or_else(|| {
-            Failure::argument("index", format!("less than {} (functions)", all.len()), index)
-        })?;
         // SAFETY: clause `memory` (`name`, `size` elements; `values`, `found.values.len()`
-        // elements).
-        let (name, values) = unsafe {
+        // elements), clause `handles` (`file`).
+        unsafe {
+            let all = &known("file", file)?.file.scalars;
+            let found = element("index", all, "functions", index)?;
             let name = optional_slice_mut("name", name, size)?;
-            (name, optional_slice_mut("values", values, found.values.len())?)
-        };
-        if let Some(name) = name {
-            write_text(name, &found.name);
-        }
-        if let Some(values) = values {
-            values.copy_from_slice(&found.values);
+            copy_wanted!(values: &found.values);
+            write_text(name.unwrap_or_default(), &found.name);
         }
         Ok(())
     })
@@ -357,10 +350,7 @@ fn labels(file: &MeshFile, kind: i32) -> Result<Option<&Labels>, Failure> {
         CATA_MESH_MATERIALS => Ok(file.materials.as_ref()),
         CATA_MESH_GROUPS => Ok(file.groups.as_ref()),
         CATA_MESH_OBJECTS => Ok(file.objects.as_ref()),
-        other => {
-            let why = format!("kind: must be a kind of names, CATA_MESH_*, is {other}");
-            Err(Failure::new(CATA_ERR_ARGUMENT, why))
-        }
+        other => Err(Failure::argument("kind", "a kind of names, CATA_MESH_*", other)),
     }
 }
 
@@ -369,11 +359,6 @@ fn names(file: &MeshFile, kind: i32) -> Result<&[String], Failure> {
         Some(labels) => &labels.names,
         None => &[],
     })
-}
-
-fn utf8(name: &CStr) -> Result<String, Failure> {
-    let refused = |_| Failure::new(CATA_ERR_ARGUMENT, "names: must be UTF-8");
-    Ok(name.to_str().map_err(refused)?.to_owned())
 }
 
 fn none(what: &str) -> Failure {

@@ -17,11 +17,11 @@
 use std::ffi::{c_char, c_void};
 
 use super::boundary::{boundary, path};
-use super::outputs::{fill_mesh, hand_over, tell, write_text};
+use super::outputs::{copy, element, fill_mesh, tell, write_text};
 use super::params::{Params, flag, init, params, read_or_zeros};
-use super::pointer::{free, known, known_mut, mesh, optional_output, output, slice, slice_mut};
+use super::pointer::{free, hand_over, known, known_mut, mesh, output, slice, slice_mut};
 use super::progress::cata_progress;
-use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
+use super::status::{Failure, cata_status};
 use catamaran::io::{Output, Overwrite, SourceOptions};
 use catamaran_geometry::mesh::io::{
     GltfEncoding, MeshFile, MeshFormat, PlyEncoding, StlEncoding, VtkEncoding, read_bytes,
@@ -178,10 +178,8 @@ pub unsafe extern "C" fn cata_mesh_file_read_bytes(
         // SAFETY: clause `memory` (`bytes`, `size` elements; `file`, one value).
         let (bytes, place) =
             unsafe { (slice("bytes", bytes.cast::<u8>(), size)?, output("file", file)?) };
-        hand_over(
-            place,
-            cata_mesh_file { file: read_bytes(bytes, self::format("format", format)?)? },
-        );
+        let file = read_bytes(bytes, self::format("format", format)?)?;
+        hand_over(place, cata_mesh_file { file });
         Ok(())
     })
 }
@@ -260,12 +258,10 @@ pub unsafe extern "C" fn cata_mesh_file_size(
     boundary(|| {
         // SAFETY: clause `memory` (`n_vertices`, one value; `n_faces`, one value), clause `handles`
         // (`file`).
-        let (mesh, places) = unsafe {
+        unsafe {
             let mesh = &known("file", file)?.file.mesh;
-            let n_vertices = optional_output("n_vertices", n_vertices)?;
-            (mesh, [n_vertices, optional_output("n_faces", n_faces)?])
-        };
-        tell(places, [mesh.vertices().len(), mesh.faces().len()]);
+            tell!(n_vertices: mesh.vertices().len(), n_faces: mesh.faces().len());
+        }
         Ok(())
     })
 }
@@ -301,12 +297,10 @@ pub unsafe extern "C" fn cata_mesh_file_notes(
     boundary(|| {
         // SAFETY: clause `memory` (`notes`, one value; `collapsed_faces`, one value), clause
         // `handles` (`file`).
-        let (file, places) = unsafe {
-            let notes = optional_output("notes", notes)?;
-            let collapsed_faces = optional_output("collapsed_faces", collapsed_faces)?;
-            (&known("file", file)?.file, [notes, collapsed_faces])
-        };
-        tell(places, [file.notes.len(), file.collapsed_faces]);
+        unsafe {
+            let own = &known("file", file)?.file;
+            tell!(notes: own.notes.len(), collapsed_faces: own.collapsed_faces);
+        }
         Ok(())
     })
 }
@@ -326,7 +320,7 @@ pub unsafe extern "C" fn cata_mesh_file_note(
         // SAFETY: clause `memory` (`text`, `size` elements), clause `handles` (`file`).
         let (notes, text) =
             unsafe { (&known("file", file)?.file.notes, slice_mut("text", text, size)?) };
-        write_text(text, numbered(notes, "notes", index)?);
+        write_text(text, element("index", notes, "notes", index)?);
         Ok(())
     })
 }
@@ -358,13 +352,8 @@ pub unsafe extern "C" fn cata_mesh_bytes_get(
     to: *mut c_void,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: clause `memory` (`to`, `own.len()` elements), clause `handles` (`bytes`).
-        let (own, to) = unsafe {
-            let own = &known("bytes", bytes)?.bytes;
-            (own, slice_mut("to", to.cast::<u8>(), own.len())?)
-        };
-        to.copy_from_slice(own);
-        Ok(())
+        // SAFETY: clause `memory` (`to`, one element for each), clause `handles` (`bytes`).
+        unsafe { copy("to", to.cast::<u8>(), &known("bytes", bytes)?.bytes) }
     })
 }
 
@@ -411,21 +400,6 @@ fn format(what: &str, value: i32) -> Result<MeshFormat, Failure> {
         CATA_MESH_VTK_XML => MeshFormat::VtkXml,
         CATA_MESH_FREESURFER => MeshFormat::FreeSurfer,
         CATA_MESH_GMSH => MeshFormat::Gmsh,
-        other => {
-            let why = format!("{what}: must be a format, CATA_MESH_*, is {other}");
-            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
-        }
-    })
-}
-
-/// Returns the text of this number.
-pub(super) fn numbered<'a>(
-    texts: &'a [String],
-    what: &str,
-    index: usize,
-) -> Result<&'a str, Failure> {
-    texts.get(index).map(String::as_str).ok_or_else(|| {
-        let why = format!("index: must be less than {} ({what}), is {index}", texts.len());
-        Failure::new(CATA_ERR_ARGUMENT, why)
+        other => return Err(Failure::argument(what, "a format, CATA_MESH_*", other)),
     })
 }

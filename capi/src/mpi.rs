@@ -3,17 +3,14 @@ use super::boundary::boundary;
 use super::eigs::{Outputs, cata_eigs_params, mass, with_eigen_options};
 use super::lstsq::{LeastSquaresCall, cata_lstsq_params, cata_lstsq_result};
 use super::ortho::{CATA_ORTHO_RANK_REVEALING, FactorsOut, cata_ortho_params, with_ortho_options};
-use super::params::write;
+use super::outputs::fill;
+use super::params::{Params, write};
 use super::pointer::{
-    Layout, free, matrix, matrix_mut, optional_matrix_mut, output, sparse, uplo_from,
+    Layout, free, hand_over, matrix, matrix_mut, optional_matrix_mut, output, sparse, uplo_from,
 };
-use super::progress::watcher;
-use super::ranks::{
-    check, collective, cyclic, entries, gather, handle, number, rows, world as world_of,
-};
+use super::ranks::{check, collective, cyclic, entries, gather, rows, world as world_of};
 use super::status::{CATA_ERR_UNSUPPORTED, Failure, cata_status};
 use super::world::{cata_symmetric, cata_traffic, cata_world};
-use catamaran::base::Progress;
 use catamaran::ranks::{
     Operation, World, ata_columns, ata_root, eigs, gram_schmidt_in_place, lstsq,
     watched_cholesky_qr,
@@ -47,6 +44,7 @@ pub unsafe extern "C" fn cata_world_new(
         let place = place?;
         agreed?;
         drop(_guard);
+        // Not by `hand_over`: MPI may be called by one thread alone.
         *place = Box::into_raw(Box::new(cata_world { world: ours }));
         Ok(())
     })
@@ -72,8 +70,9 @@ pub unsafe extern "C" fn cata_world_rank(
     rank: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: clause `passed on` (`number`).
-        unsafe { number("rank", rank, world_of(world)?.rank()) }
+        // SAFETY: clause `memory` (`rank`, one value), clause `handles` (`world`).
+        unsafe { *output("rank", rank)? = world_of(world)?.rank() };
+        Ok(())
     })
 }
 
@@ -87,8 +86,9 @@ pub unsafe extern "C" fn cata_world_size(
     size: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: clause `passed on` (`number`).
-        unsafe { number("size", size, world_of(world)?.size()) }
+        // SAFETY: clause `memory` (`size`, one value), clause `handles` (`world`).
+        unsafe { *output("size", size)? = world_of(world)?.size() };
+        Ok(())
     })
 }
 
@@ -155,10 +155,8 @@ pub unsafe extern "C" fn cata_world_ata_rows_f64(
     params: *const cata_ata_params,
     c: *mut *mut cata_symmetric,
 ) -> cata_status {
-    boundary(|| {
-        // SAFETY: clause `passed on` (`rows`).
-        unsafe { rows(world, layout, m, n, alpha, a, lda, params, c) }
-    })
+    // SAFETY: clause `passed on` (`rows`).
+    unsafe { rows(world, layout, m, n, alpha, a, lda, params, c) }
 }
 
 /// Computes cata_world_ata_rows_f64 in float.
@@ -177,10 +175,8 @@ pub unsafe extern "C" fn cata_world_ata_rows_f32(
     params: *const cata_ata_params,
     c: *mut *mut cata_symmetric,
 ) -> cata_status {
-    boundary(|| {
-        // SAFETY: clause `passed on` (`rows`).
-        unsafe { rows(world, layout, m, n, alpha, a, lda, params, c) }
-    })
+    // SAFETY: clause `passed on` (`rows`).
+    unsafe { rows(world, layout, m, n, alpha, a, lda, params, c) }
 }
 
 /// Solves least squares where every rank has some rows of A, of B and of the weights, in any order
@@ -211,21 +207,20 @@ pub unsafe extern "C" fn cata_world_lstsq(
     result: *mut cata_lstsq_result,
     params: *const cata_lstsq_params,
 ) -> cata_status {
-    boundary(|| {
-        // SAFETY: clause `passed on` (`collective`, `LeastSquaresCall::new`).
-        unsafe {
-            collective(world, Operation::LeastSquares, |entrance| {
-                let call = LeastSquaresCall::new(
-                    layout, m, n, k, a, lda, b, ldb, weights, x, ldx, result, params,
-                )?;
-                let watch = watcher(call.params.progress, call.params.progress_user);
-                let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
-                let (a, b, weights) = (call.a, call.b, call.weights);
-                let found = lstsq(entrance.enter(), a, b, weights, &call.options, progress)?;
-                call.finish(&found)
-            })
-        }
-    })
+    // SAFETY: clause `passed on` (`collective`, `LeastSquaresCall::new`).
+    unsafe {
+        collective(world, Operation::LeastSquares, |entrance| {
+            let call = LeastSquaresCall::new(
+                layout, m, n, k, a, lda, b, ldb, weights, x, ldx, result, params,
+            )?;
+            let (a, b, weights) = (call.a, call.b, call.weights);
+            let found = call
+                .params
+                .caller()
+                .with(|progress| lstsq(entrance.enter(), a, b, weights, &call.options, progress))?;
+            call.finish(&found)
+        })
+    }
 }
 
 /// Computes C = alpha A^T A where every rank has some columns of A (m x cols), in the order of the
@@ -245,21 +240,18 @@ pub unsafe extern "C" fn cata_world_ata_columns(
     params: *const cata_ata_params,
     c: *mut *mut cata_symmetric,
 ) -> cata_status {
-    boundary(|| {
-        // SAFETY: clause `memory` (`a`, m x `cols`; `c`, one value), clause `structs` (`params`),
-        // clause `passed on` (`collective`).
-        unsafe {
-            collective(world, Operation::Columns, |entrance| {
-                let a = matrix("a", Layout::new(layout)?, m, cols, a, lda)?;
-                let c = output("c", c)?;
-                with_options(params, Uplo::Lower, |options| {
-                    let result = ata_columns(entrance.enter(), alpha, a, options)?;
-                    *c = handle(result);
-                    Ok(())
-                })
+    // SAFETY: clause `memory` (`a`, m x `cols`; `c`, one value), clause `structs` (`params`),
+    // clause `passed on` (`collective`).
+    unsafe {
+        collective(world, Operation::Columns, |entrance| {
+            let a = matrix("a", Layout::new(layout)?, m, cols, a, lda)?;
+            let c = output("c", c)?;
+            with_options(params, Uplo::Lower, |options| {
+                hand_over(c, cata_symmetric::of(ata_columns(entrance.enter(), alpha, a, options)?));
+                Ok(())
             })
-        }
-    })
+        })
+    }
 }
 
 /// Computes C := alpha A^T A + beta C where the rank `root` has A, m x n, and C, n x n: by AtA-D,
@@ -288,27 +280,25 @@ pub unsafe extern "C" fn cata_world_ata_root(
     ldc: usize,
     params: *const cata_ata_params,
 ) -> cata_status {
-    boundary(|| {
-        // SAFETY: clause `memory` (`a`, m x n; `c`, n x n), clause `structs` (`params`), clause
-        // `passed on` (`collective`).
-        unsafe {
-            collective(world, Operation::Root, |entrance| {
-                if entrance.rank() != root {
-                    return with_options(params, Uplo::Lower, |options| {
-                        Ok(ata_root(entrance.enter(), root, alpha, None, beta, None, options)?)
-                    });
-                }
-                let (layout, uplo) = (Layout::new(layout)?, uplo_from(uplo)?);
-                let a = matrix("a", layout, m, n, a, lda)?;
-                // Without columns the product is zero, and m may exceed the address space.
-                let a = if n == 0 { a.subrows(0, 0) } else { a };
-                let c = matrix_mut("c", layout, n, n, c, ldc)?;
-                with_options(params, uplo, |options| {
-                    Ok(ata_root(entrance.enter(), root, alpha, Some(a), beta, Some(c), options)?)
-                })
+    // SAFETY: clause `memory` (`a`, m x n; `c`, n x n), clause `structs` (`params`), clause
+    // `passed on` (`collective`).
+    unsafe {
+        collective(world, Operation::Root, |entrance| {
+            if entrance.rank() != root {
+                return with_options(params, Uplo::Lower, |options| {
+                    Ok(ata_root(entrance.enter(), root, alpha, None, beta, None, options)?)
+                });
+            }
+            let (layout, uplo) = (Layout::new(layout)?, uplo_from(uplo)?);
+            let a = matrix("a", layout, m, n, a, lda)?;
+            // Without columns the product is zero, and m may exceed the address space.
+            let a = if n == 0 { a.subrows(0, 0) } else { a };
+            let c = matrix_mut("c", layout, n, n, c, ldc)?;
+            with_options(params, uplo, |options| {
+                Ok(ata_root(entrance.enter(), root, alpha, Some(a), beta, Some(c), options)?)
             })
-        }
-    })
+        })
+    }
 }
 
 /// Computes C := alpha A^T A + beta C for block-cyclic A, m x n, and C, n x n, as ScaLAPACK has
@@ -343,15 +333,13 @@ pub unsafe extern "C" fn cata_world_ata_cyclic(
     grid_order: i32,
     params: *const cata_ata_params,
 ) -> cata_status {
-    boundary(|| {
-        // SAFETY: clause `passed on` (`cyclic`).
-        unsafe {
-            cyclic(
-                world, uplo, false, alpha, a, desc_a, beta, c, desc_c, grid_rows, grid_cols,
-                grid_order, params,
-            )
-        }
-    })
+    // SAFETY: clause `passed on` (`cyclic`).
+    unsafe {
+        cyclic(
+            world, uplo, false, alpha, a, desc_a, beta, c, desc_c, grid_rows, grid_cols,
+            grid_order, params,
+        )
+    }
 }
 
 /// Computes C := alpha A A^T + beta C as cata_world_ata_cyclic, m x m; PDSYRK with TRANS = 'N'. M_
@@ -374,15 +362,13 @@ pub unsafe extern "C" fn cata_world_aat_cyclic(
     grid_order: i32,
     params: *const cata_ata_params,
 ) -> cata_status {
-    boundary(|| {
-        // SAFETY: clause `passed on` (`cyclic`).
-        unsafe {
-            cyclic(
-                world, uplo, true, alpha, a, desc_a, beta, c, desc_c, grid_rows, grid_cols,
-                grid_order, params,
-            )
-        }
-    })
+    // SAFETY: clause `passed on` (`cyclic`).
+    unsafe {
+        cyclic(
+            world, uplo, true, alpha, a, desc_a, beta, c, desc_c, grid_rows, grid_cols, grid_order,
+            params,
+        )
+    }
 }
 
 /// Computes eigenpairs as those of cata_eigs where every rank has some rows of W, in the order of
@@ -411,22 +397,20 @@ pub unsafe extern "C" fn cata_world_eigs(
     residuals: *mut f64,
     params: *const cata_eigs_params,
 ) -> cata_status {
-    boundary(|| {
-        // SAFETY: clause `memory` (the CSR arrays), clause `structs` (`params`), clause `passed on`
-        // (`collective`, `mass`, `Outputs::new`).
-        unsafe {
-            collective(world, Operation::Eigenpairs, |entrance| {
-                let rows = sparse(own, n, row_starts, columns, entries)?;
-                let masses = mass(own, masses)?;
-                let outputs = Outputs::new(own, k, eigenvalues, eigenvectors, ldv, residuals)?;
-                with_eigen_options(k, params, |options, _| {
-                    let pairs = eigs(entrance.enter(), rows, &masses, options)?;
-                    outputs.write(&pairs.values, pairs.vectors.as_ref(), &pairs.residuals);
-                    Ok(())
-                })
+    // SAFETY: clause `memory` (the CSR arrays), clause `structs` (`params`), clause `passed on`
+    // (`collective`, `mass`, `Outputs::new`).
+    unsafe {
+        collective(world, Operation::Eigenpairs, |entrance| {
+            let rows = sparse(own, n, row_starts, columns, entries)?;
+            let masses = mass(own, masses)?;
+            let outputs = Outputs::new(own, k, eigenvalues, eigenvectors, ldv, residuals)?;
+            with_eigen_options(k, params, |options, _| {
+                let pairs = eigs(entrance.enter(), rows, &masses, options)?;
+                outputs.write(&pairs.values, pairs.vectors.as_ref(), &pairs.residuals);
+                Ok(())
             })
-        }
-    })
+        })
+    }
 }
 
 /// Computes cata_ortho_gram_schmidt where every rank has some rows of A and masses, in the order of
@@ -451,26 +435,24 @@ pub unsafe extern "C" fn cata_world_gram_schmidt(
     rank: *mut usize,
     params: *const cata_ortho_params,
 ) -> cata_status {
-    boundary(|| {
-        // SAFETY: clause `memory` (`a`, `own` x c), clause `structs` (`params`), clause `passed on`
-        // (`collective`, `mass`, `FactorsOut::new`).
-        unsafe {
-            collective(world, Operation::GramSchmidt, |entrance| {
-                let layout = Layout::new(layout)?;
-                let a = matrix_mut("a", layout, own, c, a, lda)?;
-                let masses = mass(own, masses)?;
-                let results = FactorsOut::new(layout, c, c, r, ldr, kept, rank)?;
-                with_ortho_options(params, |options, method| {
-                    if method == CATA_ORTHO_RANK_REVEALING {
-                        let why = "params.method: CATA_ORTHO_RANK_REVEALING is not available";
-                        return Err(Failure::new(CATA_ERR_UNSUPPORTED, why));
-                    }
-                    results.write(&gram_schmidt_in_place(entrance.enter(), a, &masses, options)?);
-                    Ok(())
-                })
+    // SAFETY: clause `memory` (`a`, `own` x c), clause `structs` (`params`), clause `passed on`
+    // (`collective`, `mass`, `FactorsOut::new`).
+    unsafe {
+        collective(world, Operation::GramSchmidt, |entrance| {
+            let layout = Layout::new(layout)?;
+            let a = matrix_mut("a", layout, own, c, a, lda)?;
+            let masses = mass(own, masses)?;
+            let results = FactorsOut::new(layout, c, c, r, ldr, kept, rank)?;
+            with_ortho_options(params, |options, method| {
+                if method == CATA_ORTHO_RANK_REVEALING {
+                    let why = "params.method: CATA_ORTHO_RANK_REVEALING is not available";
+                    return Err(Failure::new(CATA_ERR_UNSUPPORTED, why));
+                }
+                results.write(&gram_schmidt_in_place(entrance.enter(), a, &masses, options)?);
+                Ok(())
             })
-        }
-    })
+        })
+    }
 }
 
 /// Computes cata_ortho_cholesky_qr for rows that are distributed in the same way.
@@ -490,26 +472,22 @@ pub unsafe extern "C" fn cata_world_cholesky_qr(
     ldr: usize,
     params: *const cata_ortho_params,
 ) -> cata_status {
-    boundary(|| {
-        // SAFETY: clause `memory` (`a`, `own` x c; `r`, c x c), clause `structs` (`params`), clause
-        // `passed on` (`collective`, `mass`).
-        unsafe {
-            collective(world, Operation::CholeskyQr, |entrance| {
-                let layout = Layout::new(layout)?;
-                let a = matrix_mut("a", layout, own, c, a, lda)?;
-                let masses = mass(own, masses)?;
-                let r = optional_matrix_mut("r", layout, c, c, r, ldr)?;
-                with_ortho_options(params, |options, _| {
-                    let (par, progress) = (options.par, options.progress);
-                    let found = watched_cholesky_qr(entrance.enter(), a, &masses, par, progress)?;
-                    if let Some(mut r) = r {
-                        r.copy_from(&found);
-                    }
-                    Ok(())
-                })
+    // SAFETY: clause `memory` (`a`, `own` x c; `r`, c x c), clause `structs` (`params`), clause
+    // `passed on` (`collective`, `mass`).
+    unsafe {
+        collective(world, Operation::CholeskyQr, |entrance| {
+            let layout = Layout::new(layout)?;
+            let a = matrix_mut("a", layout, own, c, a, lda)?;
+            let masses = mass(own, masses)?;
+            let r = optional_matrix_mut("r", layout, c, c, r, ldr)?;
+            with_ortho_options(params, |options, _| {
+                let (par, progress) = (options.par, options.progress);
+                let found = watched_cholesky_qr(entrance.enter(), a, &masses, par, progress)?;
+                fill(r, found.as_ref());
+                Ok(())
             })
-        }
-    })
+        })
+    }
 }
 
 /// Gets the number of rows and columns of a distributed matrix. Local.
@@ -522,8 +500,9 @@ pub unsafe extern "C" fn cata_symmetric_n(
     n: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: clause `passed on` (`number`, `entries`).
-        unsafe { number("n", n, entries(symmetric)?.n()) }
+        // SAFETY: clause `memory` (`n`, one value), clause `passed on` (`entries`).
+        unsafe { *output("n", n)? = entries(symmetric)?.n() };
+        Ok(())
     })
 }
 
@@ -553,10 +532,8 @@ pub unsafe extern "C" fn cata_symmetric_gather_f64(
     c: *mut f64,
     ldc: usize,
 ) -> cata_status {
-    boundary(|| {
-        // SAFETY: clause `passed on` (`gather`).
-        unsafe { gather(symmetric, world, root, layout, uplo, c, ldc) }
-    })
+    // SAFETY: clause `passed on` (`gather`).
+    unsafe { gather(symmetric, world, root, layout, uplo, c, ldc) }
 }
 
 /// Gathers a matrix of floats as cata_symmetric_gather_f64.
@@ -573,10 +550,8 @@ pub unsafe extern "C" fn cata_symmetric_gather_f32(
     c: *mut f32,
     ldc: usize,
 ) -> cata_status {
-    boundary(|| {
-        // SAFETY: clause `passed on` (`gather`).
-        unsafe { gather(symmetric, world, root, layout, uplo, c, ldc) }
-    })
+    // SAFETY: clause `passed on` (`gather`).
+    unsafe { gather(symmetric, world, root, layout, uplo, c, ldc) }
 }
 
 /// Checks that a distributed matrix of doubles, made by all ranks of `world`, is alpha A^T A, up
@@ -604,15 +579,13 @@ pub unsafe extern "C" fn cata_symmetric_verify_f64(
     residual: *mut f64,
     tolerance: *mut f64,
 ) -> cata_status {
-    boundary(|| {
-        // SAFETY: clause `passed on` (`check`).
-        unsafe {
-            check(
-                symmetric, world, spread, layout, rows, cols, alpha, a, lda, rounds, seed, passed,
-                residual, tolerance,
-            )
-        }
-    })
+    // SAFETY: clause `passed on` (`check`).
+    unsafe {
+        check(
+            symmetric, world, spread, layout, rows, cols, alpha, a, lda, rounds, seed, passed,
+            residual, tolerance,
+        )
+    }
 }
 
 /// Checks a product in float as cata_symmetric_verify_f64; the check itself is in double.
@@ -636,13 +609,11 @@ pub unsafe extern "C" fn cata_symmetric_verify_f32(
     residual: *mut f64,
     tolerance: *mut f64,
 ) -> cata_status {
-    boundary(|| {
-        // SAFETY: clause `passed on` (`check`).
-        unsafe {
-            check(
-                symmetric, world, spread, layout, rows, cols, alpha, a, lda, rounds, seed, passed,
-                residual, tolerance,
-            )
-        }
-    })
+    // SAFETY: clause `passed on` (`check`).
+    unsafe {
+        check(
+            symmetric, world, spread, layout, rows, cols, alpha, a, lda, rounds, seed, passed,
+            residual, tolerance,
+        )
+    }
 }

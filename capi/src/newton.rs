@@ -16,10 +16,9 @@ use std::ffi::{c_char, c_void};
 
 use super::boundary::boundary;
 use super::device::chosen;
-use super::outputs::hand_over;
 use super::params::{Params, init, or_default, params, read_or_zeros};
-use super::pointer::{check_size, free, known, output, slice, slice_mut};
-use super::progress::{Caller, cata_progress, par};
+use super::pointer::{free, hand_over, known, known_mut, output, slice, slice_mut};
+use super::progress::{Caller, cata_progress};
 use super::status::{CATA_ERR_SHAPE, Failure, cata_status};
 use catamaran::Par;
 use catamaran::base::Progress;
@@ -109,8 +108,7 @@ pub unsafe extern "C" fn cata_newton_new(
         // `structs` (`params`).
         let (params, roots, device) = unsafe {
             let params = read_or_zeros("params", params)?;
-            check_size::<f64>("params.roots", params.root_count, 2)?;
-            let roots = slice("params.roots", params.roots, 2 * params.root_count)?;
+            let roots = slice("params.roots", params.roots.cast::<[f64; 2]>(), params.root_count)?;
             (params, roots, params.device)
         };
         let options = options(&params, roots)?;
@@ -122,7 +120,7 @@ pub unsafe extern "C" fn cata_newton_new(
         let made = cata_newton {
             newton,
             options,
-            par: par(params.threads),
+            par: params.par(),
             caller: params.caller(),
             #[cfg(feature = "opencl")]
             device,
@@ -135,7 +133,7 @@ pub unsafe extern "C" fn cata_newton_new(
 /// Returns the options of the caller.
 pub(super) fn options(
     params: &cata_newton_params,
-    roots: &[f64],
+    roots: &[[f64; 2]],
 ) -> Result<NewtonOptions, Failure> {
     let default = NewtonOptions::default();
     let polynomial = match (roots, params.power) {
@@ -147,7 +145,7 @@ pub(super) fn options(
             }
             Polynomial::Power(power)
         }
-        (roots, 0) => Polynomial::Roots(roots.as_chunks().0.to_vec()),
+        (roots, 0) => Polynomial::Roots(roots.to_vec()),
         (_, power) => {
             return Err(Failure::argument("params.power", "0 where roots are given", power));
         }
@@ -185,8 +183,8 @@ pub unsafe extern "C" fn cata_newton_free(newton: *mut cata_newton) {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_newton_set_w(newton: *mut cata_newton, w: f64) -> cata_status {
     boundary(|| {
-        // SAFETY: clause `memory` (`newton`, one value).
-        let newton = unsafe { output("newton", newton) }?;
+        // SAFETY: clause `handles` (`newton`).
+        let newton = unsafe { known_mut("newton", newton) }?;
         let options = newton.options.clone().w(w);
         newton.newton = Newton::new(&options)?;
         newton.options = options;
@@ -211,12 +209,13 @@ pub unsafe extern "C" fn cata_newton_points(
     convergence: *mut f32,
 ) -> cata_status {
     boundary(|| {
-        check_size::<f32>("positions", count, 3)?;
-        // SAFETY: clause `memory` (`positions`, `3 * count` elements), clause `handles` (`newton`).
-        let (newton, positions) =
-            unsafe { (known("newton", newton)?, slice("positions", positions, 3 * count)?) };
-        // SAFETY: clause `passed on` (`write`).
-        unsafe { write(newton, Points::List(positions.as_chunks().0), count, roots, convergence) }
+        // SAFETY: clause `memory` (`positions`, `3 * count` elements), clause `handles` (`newton`),
+        // clause `passed on` (`write`).
+        unsafe {
+            let newton = known("newton", newton)?;
+            let positions = slice("positions", positions.cast::<[f32; 3]>(), count)?;
+            write(newton, Points::List(positions), count, roots, convergence)
+        }
     })
 }
 
@@ -263,7 +262,6 @@ pub unsafe extern "C" fn cata_newton_colors(
     colors: *mut u8,
 ) -> cata_status {
     boundary(|| {
-        check_size::<u8>("colors", count, 3)?;
         // SAFETY: clause `memory` (`roots`, `count` elements; `convergence`, `count` elements;
         // `colors`, `3 * count` elements), clause `handles` (`newton`).
         let (newton, roots, convergence, colors) = unsafe {
@@ -271,10 +269,10 @@ pub unsafe extern "C" fn cata_newton_colors(
                 &known("newton", newton)?.newton,
                 slice("roots", roots, count)?,
                 slice("convergence", convergence, count)?,
-                slice_mut("colors", colors, 3 * count)?,
+                slice_mut("colors", colors.cast::<[u8; 3]>(), count)?,
             )
         };
-        let points = roots.iter().zip(convergence).zip(colors.as_chunks_mut::<3>().0);
+        let points = roots.iter().zip(convergence).zip(colors);
         for ((&root, &t), color) in points {
             *color = darkened(root_color(root, newton.roots()), newton.share(t));
         }

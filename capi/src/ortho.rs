@@ -2,9 +2,10 @@ use std::ffi::c_void;
 
 use super::boundary::boundary;
 use super::eigs::mass;
-use super::params::{init, or_default, params, with_params};
+use super::outputs::fill;
+use super::params::{Params, init, or_default, params, with_params};
 use super::pointer::{Layout, matrix_mut, optional_matrix_mut, optional_slice_mut, output};
-use super::progress::{cata_progress, par};
+use super::progress::cata_progress;
 use super::status::{Failure, cata_status};
 use catamaran::ortho::{
     GramSchmidtOptions, TriangularFactor, cholesky_qr_of, gram_schmidt_in_place,
@@ -138,9 +139,7 @@ pub unsafe extern "C" fn cata_ortho_cholesky_qr(
         };
         // SAFETY: clause `structs` (`params`).
         let found = unsafe { with_ortho_options(params, work) }?;
-        if let Some(mut r) = r {
-            r.copy_from(&found);
-        }
+        fill(r, found.as_ref());
         Ok(())
     })
 }
@@ -177,10 +176,7 @@ impl<'a> FactorsOut<'a> {
 
     /// Writes R, the kept columns and the rank.
     pub fn write(self, TriangularFactor { r, kept }: &TriangularFactor) {
-        if let Some(mut to) = self.r {
-            to.fill(0.0);
-            to.subrows_mut(0, kept.len()).copy_from(r);
-        }
+        fill(self.r, r.as_ref());
         if let Some(to) = self.kept {
             to[..kept.len()].copy_from_slice(kept);
         }
@@ -205,7 +201,7 @@ pub(super) unsafe fn with_ortho_options<X>(
                 _ => GramSchmidtOptions::reorthogonalized(),
             };
             options.threshold = or_default(params.threshold, options.threshold);
-            work(&options.par(par(params.threads)).progress(progress), method)
+            work(&options.par(params.par()).progress(progress), method)
         })
     }
 }

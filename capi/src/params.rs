@@ -5,9 +5,10 @@ use std::mem::MaybeUninit;
 use super::boundary::boundary;
 use super::pointer;
 use super::progress::Caller;
+use super::regions::{self, Region};
 use super::status::{CATA_ERR_UNSUPPORTED, Failure, cata_status};
 #[cfg(feature = "chapters")]
-use catamaran::base::Progress;
+use catamaran::base::{Par, Progress};
 
 /// More than any version will ever have, to catch an uninitialized struct_size.
 const LARGEST_SIZE: usize = 4096;
@@ -35,6 +36,10 @@ pub(super) use versioned;
 pub(super) trait Params: Versioned {
     /// Returns the callback, and what it gets.
     fn caller(&self) -> Caller;
+
+    /// Returns the threads.
+    #[cfg(feature = "chapters")]
+    fn par(&self) -> Par;
 }
 
 /// Implements [`Params`] as [`versioned`] implements [`Versioned`].
@@ -45,6 +50,11 @@ macro_rules! params {
         impl $crate::params::Params for $name {
             fn caller(&self) -> $crate::progress::Caller {
                 $crate::progress::Caller::new(self.progress, self.progress_user)
+            }
+
+            #[cfg(feature = "chapters")]
+            fn par(&self) -> catamaran::Par {
+                $crate::progress::par(self.threads)
             }
         }
     };
@@ -98,7 +108,23 @@ fn check_struct_size<T: Versioned>(what: &str, size: usize) -> Result<(), Failur
 ///
 /// # Safety
 /// `params` points to as many readable bytes as its `struct_size` says.
-pub(super) unsafe fn read<T: Versioned>(what: &str, params: *const T) -> Result<T, Failure> {
+pub(super) unsafe fn read<T: Versioned>(
+    what: &'static str,
+    params: *const T,
+) -> Result<T, Failure> {
+    // SAFETY: clause `passed on` (`read_noted`).
+    unsafe { read_noted(what, params, false) }
+}
+
+/// Reads a struct as [`read`] does, and says whether the call writes it.
+///
+/// # Safety
+/// As for [`read`].
+unsafe fn read_noted<T: Versioned>(
+    what: &'static str,
+    params: *const T,
+    written: bool,
+) -> Result<T, Failure> {
     let params = pointer::checked(what, params, 1)?;
     let mut known = MaybeUninit::<T>::zeroed();
     // SAFETY: `checked` has excluded NULL and checked the alignment; clause `structs`:
@@ -107,6 +133,7 @@ pub(super) unsafe fn read<T: Versioned>(what: &str, params: *const T) -> Result<
     unsafe {
         let size = params.cast::<usize>().read();
         check_struct_size::<T>(what, size)?;
+        regions::add(Region::bytes(what, params.addr(), size, written))?;
         let shared = size.min(size_of::<T>());
         let bytes = params.cast::<u8>();
         if std::slice::from_raw_parts(bytes.add(shared), size - shared).iter().any(|&b| b != 0) {
@@ -125,7 +152,7 @@ pub(super) unsafe fn read<T: Versioned>(what: &str, params: *const T) -> Result<
 /// `params` is NULL or as for [`read`].
 #[cfg(feature = "chapters")]
 pub(super) unsafe fn read_or_zeros<T: Versioned>(
-    what: &str,
+    what: &'static str,
     params: *const T,
 ) -> Result<T, Failure> {
     if params.is_null() {
@@ -134,6 +161,24 @@ pub(super) unsafe fn read_or_zeros<T: Versioned>(
     }
     // SAFETY: clause `passed on` (`read`).
     unsafe { read(what, params) }
+}
+
+/// Returns a struct of results of the caller, whose fields the call writes, or one of zeros for
+/// NULL.
+///
+/// # Safety
+/// `results` is NULL or as for [`read`].
+#[cfg(feature = "chapters")]
+pub(super) unsafe fn results<T: Versioned>(
+    what: &'static str,
+    results: *mut T,
+) -> Result<T, Failure> {
+    if results.is_null() {
+        // SAFETY: all fields of such a struct may be 0.
+        return Ok(unsafe { MaybeUninit::zeroed().assume_init() });
+    }
+    // SAFETY: clause `passed on` (`read_noted`).
+    unsafe { read_noted(what, results, true) }
 }
 
 /// Writes a struct of the caller's version, but for its `struct_size`: the fields that both

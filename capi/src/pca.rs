@@ -3,11 +3,11 @@ use std::ffi::c_void;
 use faer::MatMut;
 
 use super::boundary::boundary;
-use super::gram::{cata_gram_params, of_matrix, rows_of};
+use super::gram::{of_matrix, rows_of};
 use super::outputs::{fill, fill_slice};
-use super::params::{flag, init, params, read_or_zeros};
+use super::params::{Params, flag, init, params, read_or_zeros};
 use super::pointer::{Layout, optional_matrix_mut, optional_slice_mut};
-use super::progress::{cata_progress, par};
+use super::progress::cata_progress;
 use super::status::{Failure, cata_status};
 use catamaran::rows::Center;
 use catamaran::solve::{Components, PrincipalComponents, PrincipalComponentsOptions};
@@ -102,10 +102,9 @@ pub unsafe extern "C" fn cata_pca(
         if n == 0 {
             return Ok(());
         }
-        let watched = params.watched();
-        let gram = of_matrix("a", a, Center::Mean, &watched)?;
-        let found = watched.watch(|| PrincipalComponents::from_gram(&gram, &options))?;
-        outputs.write(&found);
+        let gram = of_matrix("a", a, Center::Mean, &params)?;
+        let components = || PrincipalComponents::from_gram(&gram, &options);
+        outputs.write(&params.caller().watch_the_end(components)?);
         Ok(())
     })
 }
@@ -156,14 +155,12 @@ impl<'a> ComponentOutputs<'a> {
         Ok(PrincipalComponentsOptions::new()
             .components(Components::Count(self.count))
             .standardize(flag("params.standardize", params.standardize)?)
-            .par(par(params.threads)))
+            .par(params.par()))
     }
 
     /// Writes the components and the other results that are wanted.
     pub fn write(self, found: &PrincipalComponents) {
-        if let Some(components) = self.components {
-            fill(components, found.components.as_ref());
-        }
+        fill(self.components, found.components.as_ref());
         let values = [
             &found.explained_variance,
             &found.explained_variance_ratio,
@@ -172,12 +169,5 @@ impl<'a> ComponentOutputs<'a> {
             &found.scale,
         ];
         self.vectors.into_iter().zip(values).for_each(|(place, values)| fill_slice(place, values));
-    }
-}
-
-impl cata_pca_params {
-    fn watched(&self) -> cata_gram_params {
-        let &Self { struct_size, threads, progress, progress_user, .. } = self;
-        cata_gram_params { struct_size, threads, progress, progress_user }
     }
 }

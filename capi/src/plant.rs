@@ -18,12 +18,13 @@ use std::ffi::{c_char, c_void};
 use std::sync::Arc;
 
 use super::boundary::{boundary, path};
+use super::outputs::{copy, copy_wanted, fill_slice};
 use super::params::{Params, flag, init, or_default, params, read_or_zeros};
 use super::pointer::{
-    check_size, copied, free, known, known_mut, optional_slice, optional_slice_mut, output, slice,
-    slice_mut,
+    check_size, copied, free, hand_over, known, known_mut, optional_slice, optional_slice_mut,
+    output, slice, slice_mut,
 };
-use super::progress::{Caller, cata_progress, par};
+use super::progress::{Caller, cata_progress};
 use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_SHAPE, Failure, cata_status};
 use catamaran::Par;
 use catamaran_simulation::plant::families::{GrowthOptions, grow};
@@ -130,16 +131,15 @@ pub unsafe extern "C" fn cata_plant_new(
     plant: *mut *mut cata_plant,
 ) -> cata_status {
     boundary(|| {
-        check_size::<f64>("tails", n, 3)?;
         // SAFETY: clause `memory` (`tails`, `3 * n` elements; `radii`, `n` elements; `parents`, `n`
         // elements; `kinds`, `n` elements; `base`, `3` elements; `plant`, one value).
         let (tails, radii, parents, kinds, base, place) = unsafe {
             (
-                slice("tails", tails, 3 * n)?,
+                slice("tails", tails.cast::<[f64; 3]>(), n)?,
                 slice("radii", radii, n)?,
                 slice("parents", parents, n)?,
                 slice("kinds", kinds, n)?,
-                optional_slice("base", base, 3)?,
+                optional_slice("base", base.cast::<[f64; 3]>(), 1)?,
                 output("plant", plant)?,
             )
         };
@@ -151,14 +151,14 @@ pub unsafe extern "C" fn cata_plant_new(
         let segment = |v: usize| Segment {
             leaf: kinds[v] & CATA_PLANT_LEAF != 0,
             pinned: kinds[v] & CATA_PLANT_PINNED != 0,
-            ..Segment::stem([0, 1, 2].map(|i| tails[3 * v + i]), radii[v])
+            ..Segment::stem(tails[v], radii[v])
         };
         let segments = (0..n).map(segment).collect();
         let parents: Vec<Option<u32>> =
             parents.iter().map(|&p| (p != CATA_NO_PARENT).then_some(p)).collect();
-        let graph = Plant::new(segments, &parents, base.map(|b| [b[0], b[1], b[2]]))?;
+        let graph = Plant::new(segments, &parents, base.map(|base| base[0]))?;
         // SAFETY: clause `passed on` (`model`).
-        *place = unsafe { model(graph, params) }?;
+        hand_over(place, unsafe { model(graph, params) }?);
         Ok(())
     })
 }
@@ -179,7 +179,7 @@ pub unsafe extern "C" fn cata_plant_read(
         let (path, place) = unsafe { (self::path("path", path)?, output("plant", plant)?) };
         let graph = catamaran_simulation::plant::read(&path)?;
         // SAFETY: clause `passed on` (`model`).
-        *place = unsafe { model(graph, params) }?;
+        hand_over(place, unsafe { model(graph, params) }?);
         Ok(())
     })
 }
@@ -200,7 +200,7 @@ pub unsafe extern "C" fn cata_plant_grow(
         let place = unsafe { output("plant", plant) }?;
         let graph = grow(&GrowthOptions::new().nodes(n).seed(seed))?;
         // SAFETY: clause `passed on` (`model`).
-        *place = unsafe { model(graph, params) }?;
+        hand_over(place, unsafe { model(graph, params) }?);
         Ok(())
     })
 }
@@ -242,28 +242,28 @@ pub unsafe extern "C" fn cata_plant_segments(
     boundary(|| {
         // SAFETY: clause `passed on` (`live_of`).
         let graph = unsafe { live_of(plant, n)? }.graph.as_ref();
-        // SAFETY: clause `memory` (`tails`, `3 * n` elements; `radii`, `n` elements; `parents`, `n`
-        // elements; `kinds`, `n` elements; `base`, `3` elements).
-        let (tails, radii, parents, kinds, base) = unsafe {
-            (
-                optional_slice_mut("tails", tails, 3 * n)?,
-                optional_slice_mut("radii", radii, n)?,
-                optional_slice_mut("parents", parents, n)?,
-                optional_slice_mut("kinds", kinds, n)?,
-                optional_slice_mut("base", base, 3)?,
-            )
+        let parent = |v| graph.parent(v).map_or(CATA_NO_PARENT, |p| p as u32);
+        let kind = |segment: &Segment| {
+            i32::from(segment.leaf) * CATA_PLANT_LEAF
+                + i32::from(segment.pinned) * CATA_PLANT_PINNED
         };
         let segments = graph.segments();
-        let parent = |v| graph.parent(v).map_or(CATA_NO_PARENT, |p| p as u32);
-        let kind = |v: usize| {
-            i32::from(segments[v].leaf) * CATA_PLANT_LEAF
-                + i32::from(segments[v].pinned) * CATA_PLANT_PINNED
-        };
-        fill(tails.map(|tails| tails.as_chunks_mut().0), |v| segments[v].tail);
-        fill(radii, |v| segments[v].radius);
-        fill(parents, parent);
-        fill(kinds, kind);
-        fill(base, |i| graph.base()[i]);
+        let ends: Vec<[f64; 3]> = segments.iter().map(|segment| segment.tail).collect();
+        let widths: Vec<f64> = segments.iter().map(|segment| segment.radius).collect();
+        let before: Vec<u32> = (0..n).map(parent).collect();
+        let of_segments: Vec<i32> = segments.iter().map(kind).collect();
+        let origin = graph.base();
+        // SAFETY: clause `memory` (`tails`, `3 * n` elements; `radii`, `n` elements; `parents`, `n`
+        // elements; `kinds`, `n` elements; `base`, `3` elements).
+        unsafe {
+            copy_wanted! {
+                tails: ends.as_flattened(),
+                radii: &widths,
+                parents: &before,
+                kinds: &of_segments,
+                base: &origin,
+            }
+        }
         Ok(())
     })
 }
@@ -280,9 +280,7 @@ pub unsafe extern "C" fn cata_plant_full_water(
 ) -> cata_status {
     boundary(|| {
         // SAFETY: clause `memory` (`water`, `n` elements), clause `passed on` (`live_of`).
-        let (plant, water) = unsafe { (live_of(plant, n)?, slice_mut("water", water, n)?) };
-        water.copy_from_slice(&plant.model.full());
-        Ok(())
+        unsafe { copy("water", water, &live_of(plant, n)?.model.full()) }
     })
 }
 
@@ -405,7 +403,7 @@ pub unsafe extern "C" fn cata_plant_water_curve(
         let found = plant.caller.with(|progress| {
             water_curve(&plant.model, &water, times, &options.progress(progress))
         })?;
-        copy_rows(&found, result);
+        copy_rows(found.iter().map(Vec::as_slice), Some(result));
         Ok(())
     })
 }
@@ -425,7 +423,7 @@ pub unsafe extern "C" fn cata_plant_start(
     boundary(|| {
         // SAFETY: clause `handles` (`plant`).
         let plant = unsafe { known_mut("plant", plant) }?;
-        check_count(plant, n)?;
+        count_is(plant.model.len(), n)?;
         // SAFETY: clause `passed on` (`water_or_full`).
         let water = unsafe { water_or_full(plant, water) }?;
         plant.stepper = Some(Bdf6::new(&plant.model, &water, step, Start::Radau, plant.par)?);
@@ -451,21 +449,18 @@ pub unsafe extern "C" fn cata_plant_step(
         let (plant, water) =
             unsafe { (known_mut("plant", plant)?, optional_slice_mut("water", water, n)?) };
         if water.is_some() {
-            check_count(plant, n)?;
+            count_is(plant.model.len(), n)?;
         }
         let cata_plant { model, stepper, changed, caller, .. } = plant;
-        let Some(stepper) = stepper else {
-            let why = "plant: cata_plant_start has not been called";
-            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
-        };
+        let not_started =
+            || Failure::new(CATA_ERR_ARGUMENT, "plant: cata_plant_start has not been called");
+        let stepper = stepper.as_mut().ok_or_else(not_started)?;
         if *changed {
             stepper.restart(model, stepper.step_length())?;
             *changed = false;
         }
         caller.with(|progress| stepper.run(count, progress))?;
-        if let Some(water) = water {
-            water.copy_from_slice(&stepper.water());
-        }
+        fill_slice(water, &stepper.water());
         Ok(())
     })
 }
@@ -493,14 +488,11 @@ pub unsafe extern "C" fn cata_plant_stiffness(
     })
 }
 
-/// Creates a plant on the heap.
+/// Returns the model of a plant.
 ///
 /// # Safety
 /// `params` is NULL or points to a struct as the header describes it.
-unsafe fn model(
-    graph: Plant,
-    params: *const cata_plant_params,
-) -> Result<*mut cata_plant, Failure> {
+unsafe fn model(graph: Plant, params: *const cata_plant_params) -> Result<cata_plant, Failure> {
     // SAFETY: clause `structs` (`params`).
     let params = unsafe { read_or_zeros("params", params) }?;
     let default = WaterOptions::default();
@@ -528,16 +520,15 @@ unsafe fn model(
     // The constants are checked even without water to use them on.
     elasticity.moduli(&[1.0], &[1.0])?;
     let model = WaterModel::new(&graph, &options)?;
-    let plant = cata_plant {
+    Ok(cata_plant {
         graph: Arc::new(graph),
         model,
         elasticity,
-        par: par(params.threads),
+        par: params.par(),
         caller: params.caller(),
         stepper: None,
         changed: false,
-    };
-    Ok(Box::into_raw(Box::new(plant)))
+    })
 }
 
 /// Changes a model.
@@ -567,12 +558,8 @@ pub(super) unsafe fn live_of<'a>(
 ) -> Result<&'a cata_plant, Failure> {
     // SAFETY: clause `handles` (`plant`).
     let plant = unsafe { known("plant", plant) }?;
-    check_count(plant, n)?;
+    count_is(plant.model.len(), n)?;
     Ok(plant)
-}
-
-fn check_count(plant: &cata_plant, n: usize) -> Result<(), Failure> {
-    count_is(plant.model.len(), n)
 }
 
 /// Checks that the caller has room for as many numbers as there are nodes.
@@ -589,11 +576,9 @@ pub(super) fn count_is(nodes: usize, n: usize) -> Result<(), Failure> {
 /// # Safety
 /// `water` is NULL or has as many elements as the plant has nodes.
 unsafe fn water_or_full(plant: &cata_plant, water: *const f64) -> Result<Vec<f64>, Failure> {
-    if water.is_null() {
-        return Ok(plant.model.full());
-    }
     // SAFETY: clause `memory` (`water`, `plant.model.len()` elements).
-    Ok(unsafe { slice("water", water, plant.model.len()) }?.to_vec())
+    let water = unsafe { optional_slice("water", water, plant.model.len()) }?;
+    Ok(water.map_or_else(|| plant.model.full(), <[f64]>::to_vec))
 }
 
 /// Returns losses that follow each other.
@@ -601,25 +586,17 @@ unsafe fn water_or_full(plant: &cata_plant, water: *const f64) -> Result<Vec<f64
 /// # Safety
 /// `intervals` has 2 `count` elements.
 pub(super) unsafe fn cycle(count: usize, intervals: *const f64) -> Result<Vec<Interval>, Failure> {
-    check_size::<f64>("intervals", count, 2)?;
     // SAFETY: clause `memory` (`intervals`, `2 * count` elements).
-    let numbers = unsafe { slice("intervals", intervals, 2 * count) }?;
-    let interval = |&[seconds, loss]: &[f64; 2]| Interval { seconds, loss };
-    Ok(numbers.as_chunks().0.iter().map(interval).collect())
+    let numbers = unsafe { slice("intervals", intervals.cast::<[f64; 2]>(), count) }?;
+    Ok(numbers.iter().map(|&[seconds, loss]| Interval { seconds, loss }).collect())
 }
 
-/// Copies rows, one after the other.
-pub(super) fn copy_rows(rows: &[Vec<f64>], place: &mut [f64]) {
-    let mut rest = place;
+/// Copies rows, one after the other, where they are wanted.
+pub(super) fn copy_rows<'a>(rows: impl Iterator<Item = &'a [f64]>, place: Option<&mut [f64]>) {
+    let Some(mut rest) = place else { return };
     for row in rows {
         let (place, after) = rest.split_at_mut(row.len());
         place.copy_from_slice(row);
         rest = after;
-    }
-}
-
-fn fill<T>(place: Option<&mut [T]>, value: impl Fn(usize) -> T) {
-    for (i, x) in place.into_iter().flatten().enumerate() {
-        *x = value(i);
     }
 }

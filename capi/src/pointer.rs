@@ -43,12 +43,12 @@ pub(super) fn uplo_from(uplo: i32) -> Result<Uplo, Failure> {
         CATA_UPPER => Ok(Uplo::Upper),
         CATA_LOWER => Ok(Uplo::Lower),
         CATA_BOTH => Ok(Uplo::Both),
-        other => {
-            let any = "CATA_UPPER (121), CATA_LOWER (122) or CATA_BOTH (123)";
-            Err(Failure::argument("uplo", any, other))
-        }
+        other => Err(Failure::argument("uplo", UPLO, other)),
     }
 }
+
+/// What a triangle may be.
+pub(super) const UPLO: &str = "CATA_UPPER (121), CATA_LOWER (122) or CATA_BOTH (123)";
 
 /// Returns a sparse m x n matrix by rows (CSR), read only: its entries are checked.
 ///
@@ -63,16 +63,14 @@ pub(super) unsafe fn sparse<'a, T: Real>(
     columns: *const usize,
     entries: *const T,
 ) -> Result<CsMatView<'a, T>, Failure> {
-    // SAFETY: clause `memory`: each array is checked and has as many elements as the contract says;
-    // `starts` returns rows + 1 elements, the last of which is the number of entries.
-    unsafe {
-        let row_starts = starts(rows, row_starts)?;
-        let count = row_starts[rows];
-        let columns = slice("columns", columns, count)?;
-        let entries = slice("entries", entries, count)?;
-        CsMatView::try_new((rows, cols), row_starts, columns, entries)
-            .map_err(|(_, _, _, why)| not_sparse(why))
-    }
+    // SAFETY: clause `memory` (`entries`, as many elements as `columns`), clause `passed on`
+    // (`places`).
+    let (row_starts, columns, entries) = unsafe {
+        let (row_starts, columns) = places(rows, row_starts, columns)?;
+        (row_starts, columns, slice("entries", entries, columns.len())?)
+    };
+    CsMatView::try_new((rows, cols), row_starts, columns, entries)
+        .map_err(|(_, _, _, why)| not_sparse(why))
 }
 
 /// A sparse matrix of which only the places of the entries are known.
@@ -90,28 +88,31 @@ pub(super) unsafe fn pattern<'a>(
     row_starts: *const usize,
     columns: *const usize,
 ) -> Result<Places<'a>, Failure> {
-    // SAFETY: clause `memory`: each array is checked and has as many elements as the contract says;
-    // `starts` returns rows + 1 elements, the last of which is the number of entries.
-    unsafe {
-        let row_starts = starts(rows, row_starts)?;
-        let count = row_starts[rows];
-        let columns = slice("columns", columns, count)?;
-        Places::try_new((rows, cols), row_starts, columns, vec![(); count])
-            .map_err(|(_, _, _, why)| not_sparse(why))
-    }
+    // SAFETY: clause `passed on` (`places`).
+    let (row_starts, columns) = unsafe { places(rows, row_starts, columns) }?;
+    Places::try_new((rows, cols), row_starts, columns, vec![(); columns.len()])
+        .map_err(|(_, _, _, why)| not_sparse(why))
 }
 
-/// Returns where the rows of a sparse matrix begin and the last one ends.
+/// Returns where the rows of a sparse matrix begin and the last one ends, and the columns of its
+/// entries.
 ///
 /// # Safety
-/// As for [`sparse`].
+/// As for [`sparse`], without entries.
 #[cfg(feature = "chapters")]
-unsafe fn starts<'a>(rows: usize, row_starts: *const usize) -> Result<&'a [usize], Failure> {
-    match rows {
-        0 => Ok(&[0]),
-        // SAFETY: clause `memory`: there are rows, so that `row_starts` has rows + 1 elements; a
-        // number that saturates is refused.
-        _ => unsafe { slice("row_starts", row_starts, rows.saturating_add(1)) },
+unsafe fn places<'a>(
+    rows: usize,
+    row_starts: *const usize,
+    columns: *const usize,
+) -> Result<(&'a [usize], &'a [usize]), Failure> {
+    // SAFETY: clause `memory` (`row_starts`, rows + 1 elements where there are rows, of which a
+    // number that saturates is refused; `columns`, as many elements as the last one says).
+    unsafe {
+        let row_starts: &[usize] = match rows {
+            0 => &[0],
+            _ => slice("row_starts", row_starts, rows.saturating_add(1))?,
+        };
+        Ok((row_starts, slice("columns", columns, row_starts[rows])?))
     }
 }
 
@@ -133,12 +134,12 @@ pub(super) unsafe fn matrix<'a, T: Copy>(
     pointer: *const T,
     ld: usize,
 ) -> Result<MatRef<'a, T>, Failure> {
-    let (len, row_stride, col_stride) = strides::<T>(what, layout, rows, cols, ld)?;
-    let pointer = checked(what, pointer, len)?;
-    regions::add(region(what, layout, rows, cols, pointer, ld, false))?;
-    // SAFETY: `checked` has excluded NULL and checked the alignment, `strides` that the extent is
-    // within an allocation's limit; clause `memory` for the elements.
-    Ok(unsafe { MatRef::from_raw_parts(pointer, rows, cols, row_stride, col_stride) })
+    let extent = Extent::new::<T>(what, layout, rows, cols, ld)?;
+    let pointer = noted(what, pointer, &extent, false)?;
+    let (down, across) = extent.strides(layout);
+    // SAFETY: `noted` has excluded NULL and checked the alignment, `Extent` that the elements are
+    // within an allocation's limit; clause `memory` for them.
+    Ok(unsafe { MatRef::from_raw_parts(pointer, rows, cols, down, across) })
 }
 
 /// Returns an m x n matrix.
@@ -154,13 +155,13 @@ pub(super) unsafe fn matrix_mut<'a, T: Copy>(
     pointer: *mut T,
     ld: usize,
 ) -> Result<MatMut<'a, T>, Failure> {
-    let (len, row_stride, col_stride) = strides::<T>(what, layout, rows, cols, ld)?;
-    let pointer = checked(what, pointer, len)?.cast_mut();
-    regions::add(region(what, layout, rows, cols, pointer, ld, true))?;
+    let extent = Extent::new::<T>(what, layout, rows, cols, ld)?;
+    let pointer = noted(what, pointer, &extent, true)?.cast_mut();
+    let (down, across) = extent.strides(layout);
     // SAFETY: the checks are those of `matrix`; clause `memory` for the elements, which are
     // distinct because ld is at least the length of a line, and `regions` has refused other
     // arguments that overlap them.
-    Ok(unsafe { MatMut::from_raw_parts_mut(pointer, rows, cols, row_stride, col_stride) })
+    Ok(unsafe { MatMut::from_raw_parts_mut(pointer, rows, cols, down, across) })
 }
 
 /// Where the matrices of a batch begin.
@@ -231,7 +232,8 @@ unsafe fn batch<T: Copy, V>(
     all: &mut Vec<Region>,
     view: impl Fn(*const T, isize, isize) -> V,
 ) -> Result<Vec<V>, Failure> {
-    let (len, down, across) = strides::<T>(what, layout, rows, cols, ld)?;
+    let extent = Extent::new::<T>(what, layout, rows, cols, ld)?;
+    let (len, (down, across)) = (extent.len(), extent.strides(layout));
     let mut views = reserved(count)?;
     match starts {
         Starts::Every(start, distance) => {
@@ -267,7 +269,7 @@ unsafe fn batch<T: Copy, V>(
                 // The name with the index takes longer than a small product.
                 let start = checked(what, start, len)
                     .or_else(|_| checked(&format!("{what}[{i}]"), start, len))?;
-                all.push(region(what, layout, rows, cols, start, ld, written));
+                all.push(extent.region(what, start, written));
                 views.push(view(start, down, across));
             }
         }
@@ -275,7 +277,8 @@ unsafe fn batch<T: Copy, V>(
     Ok(views)
 }
 
-/// Returns `len` elements, read only.
+/// Returns `len` elements, read only. Where there are several numbers for each of `len` things, an
+/// element is an array of them, so that no product of sizes can overflow.
 ///
 /// # Safety
 /// They can be read, and no thread writes them, during `'a`.
@@ -284,12 +287,22 @@ pub(super) unsafe fn slice<'a, T: Copy>(
     pointer: *const T,
     len: usize,
 ) -> Result<&'a [T], Failure> {
-    check_size::<T>(what, len, 1)?;
-    let pointer = checked(what, pointer, len)?;
-    regions::add(region(what, Layout::RowMajor, 1, len, pointer, len, false))?;
-    // SAFETY: `checked` has excluded NULL and checked the alignment, `check_size` that the extent
-    // is within an allocation's limit; clause `memory` for the elements.
+    let pointer = noted(what, pointer, &Extent::line::<T>(what, len)?, false)?;
+    // SAFETY: `noted` has excluded NULL and checked the alignment, `Extent` that the elements are
+    // within an allocation's limit; clause `memory` for them.
     Ok(unsafe { std::slice::from_raw_parts(pointer, len) })
+}
+
+/// Returns a copy of W elements.
+///
+/// # Safety
+/// As [`slice()`].
+pub(super) unsafe fn array<T: Copy, const W: usize>(
+    what: &'static str,
+    pointer: *const T,
+) -> Result<[T; W], Failure> {
+    // SAFETY: clause `passed on` (`slice`), of W elements.
+    unsafe { slice(what, pointer.cast::<[T; W]>(), 1) }.map(|one| one[0])
 }
 
 /// Returns a copy of `len` elements, where an output may be.
@@ -302,8 +315,7 @@ pub(super) unsafe fn copied<T: Copy>(
     pointer: *const T,
     len: usize,
 ) -> Result<Vec<T>, Failure> {
-    check_size::<T>(what, len, 1)?;
-    let pointer = checked(what, pointer, len)?;
+    let pointer = checked(what, pointer, Extent::line::<T>(what, len)?.len())?;
     // SAFETY: the checks are those of `slice`; clause `memory` for the elements, which are copied
     // at once.
     Ok(unsafe { std::slice::from_raw_parts(pointer, len) }.to_vec())
@@ -334,20 +346,37 @@ pub(super) unsafe fn slice_mut<'a, T: Copy>(
     pointer: *mut T,
     len: usize,
 ) -> Result<&'a mut [T], Failure> {
-    check_size::<T>(what, len, 1)?;
-    let pointer = checked(what, pointer, len)?.cast_mut();
-    regions::add(region(what, Layout::RowMajor, 1, len, pointer, len, true))?;
+    let pointer = noted(what, pointer, &Extent::line::<T>(what, len)?, true)?.cast_mut();
     // SAFETY: the checks are those of `slice`; clause `memory` for the elements, and `regions` has
     // refused other arguments that overlap them.
     Ok(unsafe { std::slice::from_raw_parts_mut(pointer, len) })
 }
 
-/// Returns the contents of a handle.
+/// Returns whether each of `len` elements is 1, where each is 0 or 1.
+///
+/// # Safety
+/// As [`slice()`].
+#[cfg(feature = "chapters")]
+pub(super) unsafe fn mask(
+    what: &'static str,
+    pointer: *const u8,
+    len: usize,
+) -> Result<Vec<bool>, Failure> {
+    // SAFETY: clause `passed on` (`slice`).
+    let mask = unsafe { slice(what, pointer, len) }?;
+    if let Some(i) = mask.iter().position(|&inside| inside > 1) {
+        let why = format!("{what}: must be 0 or 1, but element {i} is {}", mask[i]);
+        return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+    }
+    Ok(mask.iter().map(|&inside| inside == 1).collect())
+}
+
+/// Returns the contents of a handle, which calls on several threads may use at a time.
 ///
 /// # Safety
 /// `handle` is NULL or alive, and no thread changes its contents, during `'a`.
 #[cfg(feature = "chapters")]
-pub(super) unsafe fn known<'a, T>(what: &str, handle: *const T) -> Result<&'a T, Failure> {
+pub(super) unsafe fn known<'a, T: Sync>(what: &str, handle: *const T) -> Result<&'a T, Failure> {
     // SAFETY: clause `handles`; NULL gives `None`.
     unsafe { handle.as_ref() }.ok_or_else(|| Failure::null(what))
 }
@@ -360,6 +389,11 @@ pub(super) unsafe fn known<'a, T>(what: &str, handle: *const T) -> Result<&'a T,
 pub(super) unsafe fn known_mut<'a, T>(what: &str, handle: *mut T) -> Result<&'a mut T, Failure> {
     // SAFETY: clause `handles`, to be changed: nobody else uses it during `'a`; NULL gives `None`.
     unsafe { handle.as_mut() }.ok_or_else(|| Failure::null(what))
+}
+
+/// Moves a value to the heap, and its handle to the caller, for calls on any thread.
+pub(super) fn hand_over<T: Send>(place: &mut *mut T, value: T) {
+    *place = Box::into_raw(Box::new(value));
 }
 
 /// Frees a handle; NULL does nothing.
@@ -385,9 +419,8 @@ pub(super) unsafe fn output<'a, T>(
     what: &'static str,
     pointer: *mut T,
 ) -> Result<&'a mut T, Failure> {
-    let pointer = checked(what, pointer, 1)?.cast_mut();
-    regions::add(region(what, Layout::RowMajor, 1, 1, pointer, 1, true))?;
-    // SAFETY: `checked` has excluded NULL and checked the alignment; clause `memory` for the place,
+    let pointer = noted(what, pointer, &Extent::ONE, true)?.cast_mut();
+    // SAFETY: `noted` has excluded NULL and checked the alignment; clause `memory` for the place,
     // which `regions` keeps apart from other arguments.
     Ok(unsafe { &mut *pointer })
 }
@@ -425,14 +458,11 @@ pub(super) unsafe fn mesh(
     n_faces: usize,
     faces: *const u32,
 ) -> Result<TriMesh, Failure> {
-    check_size::<f64>("vertices", n_vertices, 3)?;
-    check_size::<u32>("faces", n_faces, 3)?;
-    // SAFETY: clause `memory`: 3 numbers of each vertex and 3 indices of each face, whose products
-    // `check_size` has kept from an overflow.
-    let (vertices, faces) = unsafe {
-        (slice("vertices", vertices, 3 * n_vertices)?, slice("faces", faces, 3 * n_faces)?)
-    };
-    Ok(TriMesh::new(vertices.as_chunks().0.to_vec(), faces.as_chunks().0.to_vec())?)
+    let (vertices, faces) = (vertices.cast::<[f64; 3]>(), faces.cast::<[u32; 3]>());
+    // SAFETY: clause `memory`: 3 numbers of each vertex and 3 indices of each face.
+    let (vertices, faces) =
+        unsafe { (slice("vertices", vertices, n_vertices)?, slice("faces", faces, n_faces)?) };
+    Ok(TriMesh::new(vertices.to_vec(), faces.to_vec())?)
 }
 
 /// Returns elements to write, or `None` for NULL.
@@ -474,73 +504,94 @@ pub(super) unsafe fn optional_matrix_mut<'a>(
 
 /// Returns an error for a rows x cols matrix that no memory can hold.
 pub(super) fn check_size<T>(what: &str, rows: usize, cols: usize) -> Result<(), Failure> {
-    strides::<T>(what, Layout::RowMajor, rows, cols, cols.max(1)).map(|_| ())
+    Extent::new::<T>(what, Layout::RowMajor, rows, cols, cols.max(1)).map(|_| ())
 }
 
-/// Returns the number of elements from the first to the last of a matrix with both included, and
-/// its row and column strides.
-fn strides<T>(
-    what: &str,
-    layout: Layout,
-    rows: usize,
-    cols: usize,
-    ld: usize,
-) -> Result<(usize, isize, isize), Failure> {
-    let (lines, line, unit) = match layout {
-        Layout::RowMajor => (rows, cols, "columns"),
-        Layout::ColMajor => (cols, rows, "rows"),
-    };
-    if ld < line.max(1) {
-        let message =
-            format!("ld{what}: must be at least {} ({unit} of {what}), is {ld}", line.max(1));
-        return Err(Failure::new(CATA_ERR_SHAPE, message));
-    }
-    let len = if rows == 0 || cols == 0 {
-        Some(0)
-    } else {
-        (lines - 1).checked_mul(ld).and_then(|len| len.checked_add(line))
-    };
-    let most = isize::MAX as usize / size_of::<T>();
-    // A dimension alone can exceed the address space when the other one is 0.
-    match len.filter(|&len| len <= most && rows <= most && cols <= most) {
-        Some(len) => {
-            // A single line has no stride; ld may then be anything.
-            let stride = if lines > 1 { ld as isize } else { line.max(1) as isize };
-            Ok(match layout {
-                Layout::RowMajor => (len, stride, 1),
-                Layout::ColMajor => (len, 1, stride),
-            })
+/// Where the elements of a matrix are: `lines` of `line` elements, each `stride` after the one
+/// before. All that an allocation can hold, in bytes.
+#[derive(Debug, PartialEq)]
+struct Extent {
+    lines: usize,
+    line: usize,
+    stride: usize,
+}
+
+impl Extent {
+    /// That of a single element.
+    const ONE: Self = Self { lines: 1, line: 1, stride: 1 };
+
+    fn new<T>(
+        what: &str,
+        layout: Layout,
+        rows: usize,
+        cols: usize,
+        ld: usize,
+    ) -> Result<Self, Failure> {
+        let (lines, line, unit) = match layout {
+            Layout::RowMajor => (rows, cols, "columns"),
+            Layout::ColMajor => (cols, rows, "rows"),
+        };
+        let least = line.max(1);
+        if ld < least {
+            let why = format!("ld{what}: must be at least {least} ({unit} of {what}), is {ld}");
+            return Err(Failure::new(CATA_ERR_SHAPE, why));
         }
-        None => Err(Failure::new(
-            CATA_ERR_SHAPE,
-            format!(
+        // A single line has no stride, nor have lines of nothing; ld may then be anything.
+        let stride = if lines > 1 && line > 0 { ld } else { least };
+        let len = lines.saturating_sub(1).checked_mul(stride).and_then(|len| len.checked_add(line));
+        let most = isize::MAX as usize / size_of::<T>();
+        // A dimension alone can exceed the address space when the other one is 0.
+        if lines.max(line) > most || len.is_none_or(|len| len > most) {
+            let why = format!(
                 "{what}: {rows} x {cols} with leading dimension {ld} exceeds the address space"
-            ),
-        )),
+            );
+            return Err(Failure::new(CATA_ERR_SHAPE, why));
+        }
+        Ok(Self { lines, line, stride })
+    }
+
+    /// Returns that of `len` elements one after the other.
+    fn line<T>(what: &str, len: usize) -> Result<Self, Failure> {
+        Self::new::<T>(what, Layout::RowMajor, 1, len, len.max(1))
+    }
+
+    /// Returns the number of elements from the first to the last, with both included.
+    fn len(&self) -> usize {
+        match self.lines.min(self.line) {
+            0 => 0,
+            _ => (self.lines - 1) * self.stride + self.line,
+        }
+    }
+
+    /// Returns the row and column strides.
+    fn strides(&self, layout: Layout) -> (isize, isize) {
+        match layout {
+            Layout::RowMajor => (self.stride as isize, 1),
+            Layout::ColMajor => (1, self.stride as isize),
+        }
+    }
+
+    /// Returns the memory at a pointer.
+    fn region<T>(&self, what: &'static str, pointer: *const T, written: bool) -> Region {
+        let [line, stride] = [self.line, self.stride].map(|count| count * size_of::<T>());
+        Region { what, start: pointer.addr(), line, stride, lines: self.lines, written }
     }
 }
 
-/// Returns the memory of a matrix whose size and leading dimension have been checked.
-fn region<T>(
+/// Returns the pointer of an argument, [`checked`], when its memory overlaps no other argument in a
+/// way that is not allowed.
+fn noted<T>(
     what: &'static str,
-    layout: Layout,
-    rows: usize,
-    cols: usize,
     pointer: *const T,
-    ld: usize,
+    extent: &Extent,
     written: bool,
-) -> Region {
-    let (lines, line) = match layout {
-        Layout::RowMajor => (rows, cols),
-        Layout::ColMajor => (cols, rows),
-    };
-    let (line, start) = (line * size_of::<T>(), pointer.addr());
-    // A single line has no stride; ld may then be anything.
-    let stride = if lines > 1 { ld * size_of::<T>() } else { line };
-    Region { what, start, line, stride, lines, written }
+) -> Result<*const T, Failure> {
+    let pointer = checked(what, pointer, extent.len())?;
+    regions::add(extent.region(what, pointer, written))?;
+    Ok(pointer)
 }
 
-/// Returns `pointer`, or any aligned pointer when `len` is 0.
+/// Returns the pointer to `len` elements, or any aligned pointer when there are none.
 pub(super) fn checked<T>(what: &str, pointer: *const T, len: usize) -> Result<*const T, Failure> {
     if len == 0 {
         return Ok(std::ptr::NonNull::dangling().as_ptr());
@@ -552,6 +603,10 @@ pub(super) fn checked<T>(what: &str, pointer: *const T, len: usize) -> Result<*c
         let message = format!("{what}: not aligned to {} bytes", align_of::<T>());
         return Err(Failure::new(CATA_ERR_ARGUMENT, message));
     }
+    if pointer.addr().checked_add(len * size_of::<T>()).is_none() {
+        let message = format!("{what}: its {len} elements exceed the address space from there on");
+        return Err(Failure::new(CATA_ERR_SHAPE, message));
+    }
     Ok(pointer)
 }
 
@@ -560,30 +615,40 @@ mod tests {
     use super::super::status::CATA_ERR_NULL;
     use super::*;
 
+    fn extent(layout: Layout, rows: usize, cols: usize, ld: usize) -> Result<Extent, Failure> {
+        Extent::new::<f64>("a", layout, rows, cols, ld)
+    }
+
     #[test]
     fn strides_follow_layout() {
-        let of = |layout, ld| strides::<f64>("a", layout, 3, 5, ld).unwrap();
-        assert_eq!(of(Layout::RowMajor, 7), (19, 7, 1));
-        assert_eq!(of(Layout::ColMajor, 7), (31, 1, 7));
+        let of = |layout| extent(layout, 3, 5, 7).map(|e| (e.len(), e.strides(layout))).unwrap();
+        assert_eq!(of(Layout::RowMajor), (19, (7, 1)));
+        assert_eq!(of(Layout::ColMajor), (31, (1, 7)));
     }
 
     #[test]
     fn short_leading_dimension_is_named() {
-        let failure = strides::<f64>("a", Layout::RowMajor, 3, 5, 4).unwrap_err();
+        let failure = extent(Layout::RowMajor, 3, 5, 4).unwrap_err();
         assert_eq!(failure.status, CATA_ERR_SHAPE);
         assert_eq!(failure.message, "lda: must be at least 5 (columns of a), is 4");
-        assert!(strides::<f64>("a", Layout::ColMajor, 0, 0, 0).is_err());
+        assert!(extent(Layout::ColMajor, 0, 0, 0).is_err());
     }
 
     #[test]
     fn overflow_is_refused() {
-        let refused =
-            |rows, cols, ld| strides::<f64>("a", Layout::RowMajor, rows, cols, ld).is_err();
+        let refused = |rows, cols, ld| extent(Layout::RowMajor, rows, cols, ld).is_err();
         assert!(refused(1 << 33, 1 << 33, 1 << 33));
         assert!(refused(3, 1, usize::MAX));
         assert!(refused(usize::MAX, 0, 1));
         assert!(refused(0, usize::MAX, usize::MAX));
-        assert!(!refused(1, 3, usize::MAX), "one line has no stride");
+    }
+
+    #[test]
+    fn one_line_and_lines_of_nothing_have_no_stride() {
+        let len = |rows, cols| extent(Layout::RowMajor, rows, cols, usize::MAX).unwrap().len();
+        assert_eq!((len(1, 3), len(5, 0), len(0, 3)), (3, 0, 0));
+        let region = extent(Layout::RowMajor, 5, 0, usize::MAX).unwrap();
+        assert_eq!(region.region("a", std::ptr::null::<f64>(), false).line, 0);
     }
 
     #[test]
@@ -592,5 +657,8 @@ mod tests {
         assert!(checked::<f64>("a", std::ptr::null(), 0).is_ok());
         let odd = std::ptr::without_provenance::<f64>(9);
         assert_eq!(checked("a", odd, 1).unwrap_err().status, CATA_ERR_ARGUMENT);
+        let last = std::ptr::without_provenance::<f64>(usize::MAX - 15);
+        assert!(checked("a", last, 1).is_ok());
+        assert_eq!(checked("a", last, 2).unwrap_err().status, CATA_ERR_SHAPE);
     }
 }

@@ -24,10 +24,12 @@ use catamaran::base::{Par, Progress};
 pub type cata_progress = Option<extern "C" fn(fraction: f64, user: *mut c_void) -> i32>;
 
 /// The `user` pointer of a progress callback.
+#[derive(Clone, Copy)]
 struct User(*mut c_void);
 
-// SAFETY: the pointer is only passed to the callback, which the header allows on any thread; calls
-// never overlap and are ordered, as `Progress` promises.
+// SAFETY: clause `callbacks`: the pointer is only passed to the callback, on any thread.
+unsafe impl Send for User {}
+// SAFETY: clause `callbacks`: calls never overlap and are ordered, as `Progress` promises.
 unsafe impl Sync for User {}
 
 impl User {
@@ -36,34 +38,26 @@ impl User {
     }
 }
 
-/// Returns a callback of the ABI as a progress callback of the library.
-pub(super) fn watcher(
-    progress: cata_progress,
-    user: *mut c_void,
-) -> Option<impl Fn(f64) -> ControlFlow<()> + Sync> {
-    let (callback, user) = (progress?, User(user));
-    Some(move |fraction| match callback(fraction, user.get()) {
-        0 => ControlFlow::Continue(()),
-        _ => ControlFlow::Break(()),
-    })
-}
-
 /// The progress callback of a caller, and what it gets.
 #[derive(Clone, Copy)]
 pub(super) struct Caller {
     progress: cata_progress,
-    user: *mut c_void,
+    user: User,
 }
 
 impl Caller {
     pub(super) fn new(progress: cata_progress, user: *mut c_void) -> Self {
-        Self { progress, user }
+        Self { progress, user: User(user) }
     }
 
     /// Calls `work` with the callback as a progress.
     pub(super) fn with<R>(self, work: impl FnOnce(Progress<'_>) -> R) -> R {
-        let watch = watcher(self.progress, self.user);
-        work(watch.as_ref().map_or(Progress::none(), Progress::from))
+        let Some(callback) = self.progress else { return work(Progress::none()) };
+        let watch = |fraction| match callback(fraction, self.user.get()) {
+            0 => ControlFlow::Continue(()),
+            _ => ControlFlow::Break(()),
+        };
+        work(Progress::from(&watch))
     }
 
     /// Calls `work` with the callback as a progress. Every call of the library in it asks the

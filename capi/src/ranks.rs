@@ -3,11 +3,12 @@
 use std::cell::Cell;
 
 use super::ata_params::{cata_ata_params, with_options};
+use super::boundary::boundary;
 use super::entries::{Entries, Held};
 use super::pointer::{
-    Layout, known, matrix, matrix_mut, optional_output, output, put, slice, uplo_from,
+    Layout, array, hand_over, known, matrix, matrix_mut, optional_output, output, put, uplo_from,
 };
-use super::status::{CATA_ERR_ARGUMENT, Failure};
+use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use super::world::{CATA_BY_COLUMNS, CATA_BY_ROWS, cata_symmetric, cata_world};
 use catamaran::ranks::plan::{BlockCyclic, Grid, GridOrder};
 use catamaran::ranks::{
@@ -38,8 +39,8 @@ impl<'w> Entrance<'w> {
     }
 }
 
-/// Calls `work`. If it fails before it enters, the other ranks, which have begun `operation`, are
-/// informed.
+/// Implements a collective function by `work`. If it fails before it enters, the other ranks, which
+/// have begun `operation`, are informed.
 ///
 /// # Safety
 /// `world` is NULL or alive.
@@ -47,18 +48,20 @@ pub(super) unsafe fn collective(
     world: *const cata_world,
     operation: Operation,
     work: impl FnOnce(&Entrance<'_>) -> Outcome,
-) -> Outcome {
-    // SAFETY: clause `passed on` (`world`).
-    let world = unsafe { self::world(world) }?;
-    let _guard = world.abort_on_panic();
-    let entrance = Entrance { world, passed: Cell::new(false) };
-    let outcome = work(&entrance);
-    if let (Err(failure), false) = (&outcome, entrance.passed.get()) {
-        let own = Error::Rank { rank: world.rank(), why: failure.message.clone() };
-        // This call can only return that error.
-        let _ = world.begin(operation, &[], Err::<(), _>(own));
-    }
-    outcome
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: clause `passed on` (`world`).
+        let world = unsafe { self::world(world) }?;
+        let _guard = world.abort_on_panic();
+        let entrance = Entrance { world, passed: Cell::new(false) };
+        let outcome = work(&entrance);
+        if let (Err(failure), false) = (&outcome, entrance.passed.get()) {
+            let own = Error::Rank { rank: world.rank(), why: failure.message.clone() };
+            // This call can only return that error.
+            let _ = world.begin(operation, &[], Err::<(), _>(own));
+        }
+        outcome
+    })
 }
 
 /// Returns the world of a handle.
@@ -66,8 +69,10 @@ pub(super) unsafe fn collective(
 /// # Safety
 /// NULL or alive.
 pub(super) unsafe fn world<'w>(world: *const cata_world) -> Result<&'w World, Failure> {
-    // SAFETY: clause `handles` (`world`).
-    unsafe { known("world", world) }.map(|w| &w.world)
+    // SAFETY: clause `handles` (`world`), which takes one call at a time, though most take it as
+    // const; NULL gives `None`.
+    let world = unsafe { world.as_ref() }.ok_or_else(|| Failure::null("world"))?;
+    Ok(&world.world)
 }
 
 /// Returns the entries of a handle.
@@ -77,16 +82,6 @@ pub(super) unsafe fn world<'w>(world: *const cata_world) -> Result<&'w World, Fa
 pub(super) unsafe fn entries<'s>(matrix: *const cata_symmetric) -> Result<&'s Entries, Failure> {
     // SAFETY: clause `handles` (`symmetric`).
     unsafe { known("symmetric", matrix) }.map(|m| &m.entries)
-}
-
-/// Writes a number.
-///
-/// # Safety
-/// As the header says.
-pub(super) unsafe fn number(what: &'static str, place: *mut usize, value: usize) -> Outcome {
-    // SAFETY: clause `passed on` (`output`).
-    *unsafe { output(what, place) }? = value;
-    Ok(())
 }
 
 /// Implements `cata_world_ata_rows_*`.
@@ -103,7 +98,7 @@ pub(super) unsafe fn rows<T: Held>(
     lda: usize,
     params: *const cata_ata_params,
     c: *mut *mut cata_symmetric,
-) -> Outcome {
+) -> cata_status {
     // SAFETY: clause `memory` (`a`, m x n; `c`, one value), clause `structs` (`params`), clause
     // `passed on` (`collective`).
     unsafe {
@@ -113,16 +108,17 @@ pub(super) unsafe fn rows<T: Held>(
             let a = if n == 0 { a.subrows(0, 0) } else { a };
             let c = output("c", c)?;
             with_options(params, Uplo::Lower, |options| {
-                let result = ata_rows(entrance.enter(), alpha, a, options)?;
-                *c = handle(result);
+                hand_over(c, cata_symmetric::of(ata_rows(entrance.enter(), alpha, a, options)?));
                 Ok(())
             })
         })
     }
 }
 
-pub(super) fn handle<T: Held>(matrix: Symmetric<T>) -> *mut cata_symmetric {
-    Box::into_raw(Box::new(cata_symmetric { entries: T::hold(matrix) }))
+impl cata_symmetric {
+    pub(super) fn of<T: Held>(matrix: Symmetric<T>) -> Self {
+        Self { entries: T::hold(matrix) }
+    }
 }
 
 /// Implements `cata_world_ata_cyclic` and `cata_world_aat_cyclic`.
@@ -143,9 +139,9 @@ pub(super) unsafe fn cyclic(
     grid_cols: usize,
     grid_order: i32,
     params: *const cata_ata_params,
-) -> Outcome {
-    // SAFETY: clause `memory` (`a`, `rows` x `cols`; `c`, `rows` x `cols`), clause `structs`
-    // (`params`), clause `passed on` (`collective`, `slice`, `product`).
+) -> cata_status {
+    // SAFETY: clause `memory` (`a` and `c`, the entries on this rank, by their descriptors, of 9
+    // elements each), clause `structs` (`params`), clause `passed on` (`collective`).
     unsafe {
         collective(world, Operation::Cyclic, |entrance| {
             let uplo = uplo_from(uplo)?;
@@ -156,10 +152,7 @@ pub(super) unsafe fn cyclic(
             let grid = Grid::new(grid_rows, grid_cols, order)?;
             let rank = entrance.world.rank();
             let described = |what, numbers| -> Result<(BlockCyclic, usize), Failure> {
-                let numbers = slice(what, numbers, 9)?;
-                let mut descriptor = [0; 9];
-                descriptor.copy_from_slice(numbers);
-                Ok(BlockCyclic::from_descriptor(what, &descriptor, grid, rank)?)
+                Ok(BlockCyclic::from_descriptor(what, &array(what, numbers)?, grid, rank)?)
             };
             let (of_a, lda) = described("desc_a", desc_a)?;
             let (of_c, ldc) = described("desc_c", desc_c)?;
@@ -189,7 +182,7 @@ pub(super) unsafe fn gather<T: Held>(
     uplo: i32,
     c: *mut T,
     ldc: usize,
-) -> Outcome {
+) -> cata_status {
     // SAFETY: clause `memory` (`c`, n x n), clause `passed on` (`collective`).
     unsafe {
         collective(world, Operation::Gather, |entrance| {
@@ -224,7 +217,7 @@ pub(super) unsafe fn check<T: Held>(
     passed: *mut i32,
     residual: *mut f64,
     tolerance: *mut f64,
-) -> Outcome {
+) -> cata_status {
     // SAFETY: clause `memory` (`a`, `rows` x `cols`; `passed`, one value; `residual`, one value;
     // `tolerance`, one value), clause `passed on` (`collective`).
     unsafe {

@@ -17,6 +17,16 @@ struct Regions {
     first: Option<usize>,
 }
 
+impl Regions {
+    /// Returns an argument of the innermost call that shares a byte with a new one, when one of
+    /// both is written.
+    fn met_by(&self, new: &Region) -> Option<Region> {
+        let first = self.first.filter(|_| !new.is_empty())?;
+        let both = |old: &&Region| (old.written || new.written) && old.overlaps(new);
+        self.list[first..].iter().find(both).copied()
+    }
+}
+
 /// The bytes of an argument: lines of `line` bytes, each `stride` after the one before, which is at
 /// least `line`.
 #[derive(Debug, Clone, Copy)]
@@ -30,6 +40,15 @@ pub(super) struct Region {
 }
 
 impl Region {
+    /// Returns so many bytes without gaps.
+    pub fn bytes(what: &'static str, start: usize, line: usize, written: bool) -> Self {
+        Self { what, start, line, stride: line, lines: 1, written }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.lines == 0 || self.line == 0
+    }
+
     /// Returns the address after the last byte.
     fn end(&self) -> usize {
         self.start + (self.lines - 1) * self.stride + self.line
@@ -89,35 +108,46 @@ impl Drop for Call {
 pub(super) fn add(new: Region) -> Result<(), Failure> {
     let check = |all: &RefCell<Regions>| {
         let mut all = all.borrow_mut();
+        let found = all.met_by(&new);
         // Outside of a call, nothing would ever remove it.
-        let first = all.first.filter(|_| new.lines > 0 && new.line > 0)?;
-        let both = |old: &&Region| (old.written || new.written) && old.overlaps(&new);
-        let found = all.list[first..].iter().find(both).copied();
-        all.list.push(new);
+        if all.first.is_some() && !new.is_empty() {
+            all.list.push(new);
+        }
         found
     };
     match REGIONS.try_with(check) {
         Ok(Some(old)) => {
             let (output, other) = if new.written { (new, old) } else { (old, new) };
-            let why = format!("{}: must not overlap {}", output.what, other.what);
-            Err(Failure::new(CATA_ERR_ARGUMENT, why))
+            Err(overlap(output.what, other.what))
         }
         _ => Ok(()),
     }
 }
 
-/// Returns an error when one of the matrices that are written overlaps another one. `all` are those
-/// of arrays of `count` matrices each, array by array.
+fn overlap(output: &str, other: &str) -> Failure {
+    Failure::new(CATA_ERR_ARGUMENT, format!("{output}: must not overlap {other}"))
+}
+
+/// Returns an error when one of the matrices that are written overlaps another one, or an argument
+/// of this thread's call, such as the pointers to them. `all` are those of arrays of `count`
+/// matrices each, array by array.
 pub(super) fn check_batch(all: &[Region], count: usize) -> Result<(), Failure> {
+    let name = |i: usize| format!("{}[{}]", all[i].what, i % count);
+    let met = |call: &RefCell<Regions>| {
+        let call = call.borrow();
+        let mut written = all.iter().enumerate().filter(|(_, region)| region.written);
+        written.find_map(|(i, region)| Some((i, call.met_by(region)?)))
+    };
+    if let Ok(Some((i, other))) = REGIONS.try_with(met) {
+        return Err(overlap(&name(i), other.what));
+    }
     // Line by line only where it matters: blocks of one matrix have lines between those of others.
     if first_overlap(all, false)?.is_none() {
         return Ok(());
     }
     let Some((old, new)) = first_overlap(all, true)? else { return Ok(()) };
     let (output, other) = if all[new].written { (new, old) } else { (old, new) };
-    let name = |i: usize| format!("{}[{}]", all[i].what, i % count);
-    let why = format!("{}: must not overlap {}", name(output), name(other));
-    Err(Failure::new(CATA_ERR_ARGUMENT, why))
+    Err(overlap(&name(output), &name(other)))
 }
 
 /// Returns two regions that overlap, one of them written, if there are any: compares their lines,
@@ -125,7 +155,7 @@ pub(super) fn check_batch(all: &[Region], count: usize) -> Result<(), Failure> {
 fn first_overlap(all: &[Region], by_line: bool) -> Result<Option<(usize, usize)>, Failure> {
     let lines = all.iter().map(|region| if by_line { region.lines } else { 1 });
     let mut pieces = reserved(lines.fold(0, usize::saturating_add))?;
-    for (i, region) in all.iter().enumerate().filter(|(_, it)| it.lines > 0 && it.line > 0) {
+    for (i, region) in all.iter().enumerate().filter(|(_, it)| !it.is_empty()) {
         match by_line {
             true => pieces.extend((0..region.lines).map(|line| {
                 let start = region.start + line * region.stride;

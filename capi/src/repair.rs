@@ -24,11 +24,11 @@ use std::ffi::{c_char, c_void};
 
 use super::boundary::boundary;
 use super::mesh_file::cata_mesh_file;
-use super::outputs::{hand_over, tell, write_text};
+use super::outputs::{element, tell, write_text};
 use super::params::{Params, flag, init, params, read_or_zeros};
-use super::pointer::{free, known, mesh, optional_output, output, slice_mut};
+use super::pointer::{free, hand_over, known, mesh, output, slice_mut};
 use super::progress::cata_progress;
-use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
+use super::status::{Failure, cata_status};
 use catamaran_geometry::mesh::{RepairOptions, RepairStep, Repaired, Weld, needs_repair, repair};
 
 /// `weld`: no vertices.
@@ -215,13 +215,10 @@ pub unsafe extern "C" fn cata_repair_steps(
     boundary(|| {
         // SAFETY: clause `memory` (`count`, one value; `changed`, one value), clause `handles`
         // (`repair`).
-        let (own, count, changed) = unsafe {
-            let own = known("repair", repair)?;
-            (own, optional_output("count", count)?, optional_output("changed", changed)?)
-        };
-        let report = &own.repaired.report;
-        tell([count], [report.steps.len()]);
-        tell([changed], [i32::from(report.changed())]);
+        unsafe {
+            let report = &known("repair", repair)?.repaired.report;
+            tell!(count: report.steps.len(), changed: report.changed().into());
+        }
         Ok(())
     })
 }
@@ -251,27 +248,11 @@ pub unsafe extern "C" fn cata_repair_step(
     left: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: clause `memory` (`kind`, one value), clause `handles` (`repair`), clause `passed
-        // on` (`optional_output`).
-        let (step, kind, places) = unsafe {
-            let places = [
-                ("vertices", vertices),
-                ("edges", edges),
-                ("faces", faces),
-                ("parts", parts),
-                ("left", left),
-            ];
-            let [vertices, edges, faces, parts, left] =
-                places.map(|(what, place)| optional_output(what, place));
-            (
-                one(known("repair", repair)?, step)?,
-                optional_output("kind", kind)?,
-                [vertices?, edges?, faces?, parts?, left?],
-            )
-        };
-        let (found, counts) = described(step);
-        tell([kind], [found]);
-        tell(places, counts);
+        // SAFETY: clause `memory` (one value for each output), clause `handles` (`repair`).
+        unsafe {
+            let (found, [a, b, c, d, e]) = described(*one(known("repair", repair)?, step)?);
+            tell!(kind: found, vertices: a, edges: b, faces: c, parts: d, left: e);
+        }
         Ok(())
     })
 }
@@ -332,12 +313,8 @@ pub unsafe extern "C" fn cata_repair_needed(
 }
 
 /// Returns a step of the report.
-fn one(repair: &cata_repair, step: usize) -> Result<RepairStep, Failure> {
-    let steps = &repair.repaired.report.steps;
-    steps.get(step).copied().ok_or_else(|| {
-        let why = format!("step: must be less than {} (steps), is {step}", steps.len());
-        Failure::new(CATA_ERR_ARGUMENT, why)
-    })
+fn one(repair: &cata_repair, step: usize) -> Result<&RepairStep, Failure> {
+    element("step", &repair.repaired.report.steps, "steps", step)
 }
 
 /// Returns the kind of a step, and its numbers: vertices, edges, faces, parts, left.
@@ -383,10 +360,7 @@ pub(super) fn options(params: &cata_repair_params) -> Result<RepairOptions, Fail
         CATA_WELD_EXACT => Weld::Exact,
         CATA_WELD_WITHIN => Weld::Within(params.tolerance),
         CATA_WELD_SEAMS => Weld::Seams,
-        other => {
-            let why = format!("params.weld: must be a CATA_WELD_* value, is {other}");
-            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
-        }
+        other => return Err(Failure::argument("params.weld", "a CATA_WELD_* value", other)),
     };
     Ok(RepairOptions::new()
         .weld(weld)

@@ -4,11 +4,12 @@ use std::ffi::c_void;
 use std::sync::Arc;
 
 use super::boundary::boundary;
-use super::outputs::{fill_slice, hand_over};
+use super::outputs::{copy_wanted, fill_mesh};
 use super::params::{Params, init, or_default, params, read_or_zeros};
 use super::plant::{cata_plant, copy_rows, count_is, cycle, live_of};
 use super::pointer::{
-    check_size, free, known, known_mut, optional_output, optional_slice_mut, output, put, slice,
+    check_size, free, hand_over, known, known_mut, optional_output, optional_slice,
+    optional_slice_mut, output, put, slice,
 };
 use super::progress::{Caller, cata_progress};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
@@ -178,11 +179,11 @@ pub unsafe extern "C" fn cata_plant_rods_set_pose(
         // SAFETY: clause `handles` (`rods`).
         let rods = unsafe { known_mut("rods", rods) }?;
         count_is(rods.rods.len(), n)?;
-        let pose = if rotations.is_null() {
-            rods.rods.rest_pose()
-        } else {
-            // SAFETY: clause `memory` (`rotations`, `4 * n` elements).
-            rods.rods.pose(unsafe { slice("rotations", rotations, 4 * n) }?.as_chunks().0)?
+        // SAFETY: clause `memory` (`rotations`, `4 * n` elements).
+        let rotations = unsafe { optional_slice("rotations", rotations.cast::<[f64; 4]>(), n) }?;
+        let pose = match rotations {
+            None => rods.rods.rest_pose(),
+            Some(rotations) => rods.rods.pose(rotations)?,
         };
         (rods.pose, rods.motion) = (pose, None);
         Ok(())
@@ -206,19 +207,16 @@ pub unsafe extern "C" fn cata_plant_rods_pose(
         // SAFETY: clause `handles` (`rods`).
         let rods = unsafe { known("rods", rods) }?;
         count_is(rods.rods.len(), n)?;
+        let pose = &rods.pose;
         // SAFETY: clause `memory` (`heads`, `3 * n` elements; `tails`, `3 * n` elements;
         // `rotations`, `4 * n` elements).
-        let (heads, tails, rotations) = unsafe {
-            (
-                optional_slice_mut("heads", heads, 3 * n)?,
-                optional_slice_mut("tails", tails, 3 * n)?,
-                optional_slice_mut("rotations", rotations, 4 * n)?,
-            )
-        };
-        let pose = &rods.pose;
-        fill_slice(heads, pose.heads.as_flattened());
-        fill_slice(tails, pose.tails.as_flattened());
-        fill_slice(rotations, pose.rotations.as_flattened());
+        unsafe {
+            copy_wanted! {
+                heads: pose.heads.as_flattened(),
+                tails: pose.tails.as_flattened(),
+                rotations: pose.rotations.as_flattened(),
+            }
+        }
         Ok(())
     })
 }
@@ -303,18 +301,9 @@ pub unsafe extern "C" fn cata_plant_rods_tubes(
         let rods = unsafe { known("rods", rods) }?;
         count_is(rods.rods.len(), n)?;
         check_size::<[f64; 6]>("vertices", n, sides)?;
-        // SAFETY: clause `memory` (`vertices`, `6 * n * sides` elements; `faces`, `6 * n * sides`
-        // elements).
-        let (vertices, faces) = unsafe {
-            (
-                optional_slice_mut("vertices", vertices, 6 * n * sides)?,
-                optional_slice_mut("faces", faces, 6 * n * sides)?,
-            )
-        };
         let mesh = tubes(&rods.graph, &rods.pose, sides, thinnest)?;
-        fill_slice(vertices, mesh.vertices().as_flattened());
-        fill_slice(faces, mesh.faces().as_flattened());
-        Ok(())
+        // SAFETY: clause `passed on` (`fill_mesh`).
+        unsafe { fill_mesh(&mesh, vertices, faces) }
     })
 }
 
@@ -344,8 +333,8 @@ pub unsafe extern "C" fn cata_plant_wilt(
     boundary(|| {
         check_size::<[f64; 4]>("rotations", n_times, n)?;
         let count = n_times * n;
-        // SAFETY: clause `memory` (`times`, `n_times` elements), clause `passed on` (`live_of`,
-        // `cycle`).
+        // SAFETY: clause `memory` (`times`, `n_times` elements), clause `handles` (`rods`), clause
+        // `passed on` (`live_of`, `cycle`).
         let (plant, rods, times, cycle) = unsafe {
             (
                 live_of(plant, n)?,
@@ -379,21 +368,12 @@ pub unsafe extern "C" fn cata_plant_wilt(
         let found = plant
             .caller
             .with(|progress| wilt(&plant.model, rods, times, &options.progress(progress)))?;
-        for (rows, place) in [(&found.water, water), (&found.moduli, moduli)] {
-            if let Some(place) = place {
-                copy_rows(rows, place);
-            }
-        }
-        if let Some(tails) = tails {
-            for (pose, place) in found.poses.iter().zip(tails.chunks_exact_mut(3 * n)) {
-                place.copy_from_slice(pose.tails.as_flattened());
-            }
-        }
-        if let Some(rotations) = rotations {
-            for (pose, place) in found.poses.iter().zip(rotations.chunks_exact_mut(4 * n)) {
-                place.copy_from_slice(pose.rotations.as_flattened());
-            }
-        }
+        copy_rows(found.water.iter().map(Vec::as_slice), water);
+        copy_rows(found.moduli.iter().map(Vec::as_slice), moduli);
+        let of_poses = found.poses.iter().map(|pose| pose.tails.as_flattened());
+        copy_rows(of_poses, tails);
+        let of_poses = found.poses.iter().map(|pose| pose.rotations.as_flattened());
+        copy_rows(of_poses, rotations);
         Ok(())
     })
 }

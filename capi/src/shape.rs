@@ -1,10 +1,10 @@
 use std::ffi::c_void;
 
 use super::boundary::boundary;
-use super::outputs::tell;
-use super::params::{init, or_default, params, with_params};
-use super::pointer::{mesh, optional_output, optional_slice_mut, slice, slice_mut};
-use super::progress::{cata_progress, par};
+use super::outputs::fill_slice;
+use super::params::{Params, init, or_default, params, with_params};
+use super::pointer::{mesh, optional_output, optional_slice_mut, put, slice, slice_mut};
+use super::progress::cata_progress;
 use super::status::cata_status;
 use catamaran_geometry::spectral::{ShapeOptions, shape_from_spectrum};
 
@@ -82,7 +82,7 @@ pub unsafe extern "C" fn cata_shape_from_spectrum(
                 optional_output("steps", steps)?,
             )
         };
-        // SAFETY: clause `structs` (`params`), clause `passed on` (`options`).
+        // SAFETY: clause `structs` (`params`).
         let shape = unsafe {
             with_params(params, |params, progress| {
                 let options = options(params).progress(progress);
@@ -90,11 +90,9 @@ pub unsafe extern "C" fn cata_shape_from_spectrum(
             })
         }?;
         positions.copy_from_slice(shape.mesh.vertices().as_flattened());
-        if let Some(values) = values {
-            values.copy_from_slice(&shape.eigenvalues);
-        }
-        tell([error], [shape.error]);
-        tell([steps], [shape.steps]);
+        fill_slice(values, &shape.eigenvalues);
+        put(error, shape.error);
+        put(steps, shape.steps);
         Ok(())
     })
 }
@@ -103,7 +101,7 @@ pub unsafe extern "C" fn cata_shape_from_spectrum(
 pub(super) fn options(params: &cata_shape_params) -> ShapeOptions<'static> {
     let default = ShapeOptions::default();
     ShapeOptions::new()
-        .par(par(params.threads))
+        .par(params.par())
         .steps(or_default(params.steps, default.steps))
         .tolerance(or_default(params.tolerance, default.tolerance))
 }

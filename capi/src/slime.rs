@@ -19,12 +19,10 @@ use std::ffi::{c_char, c_void};
 
 use super::boundary::boundary;
 use super::device::chosen;
-use super::outputs::hand_over;
+use super::outputs::{copy, tell};
 use super::params::{Params, init, or_default, params, read_or_zeros};
-use super::pointer::{
-    check_size, free, known, known_mut, mesh, optional_output, output, put, slice, slice_mut,
-};
-use super::progress::{Caller, cata_progress, par};
+use super::pointer::{free, hand_over, known, known_mut, mesh, optional_slice, output, slice_mut};
+use super::progress::{Caller, cata_progress};
 use super::status::{Failure, cata_status};
 use catamaran::Par;
 #[cfg(feature = "opencl")]
@@ -110,6 +108,12 @@ pub struct cata_slime {
     caller: Caller,
 }
 
+// SAFETY: calls of OpenCL may be made by several threads at a time, but for those that set the
+// arguments of a kernel: of the functions that take a simulation as const only the coverage does,
+// and locks them.
+#[cfg(feature = "opencl")]
+unsafe impl Sync for cata_slime {}
+
 /// Fills a struct with the defaults.
 ///
 /// # Safety
@@ -148,7 +152,6 @@ pub unsafe extern "C" fn cata_slime_new(
     slime: *mut *mut cata_slime,
 ) -> cata_status {
     boundary(|| {
-        check_size::<f64>("uv", n_faces, 6)?;
         // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `slime`, one
         // value).
         let (mesh, slime) =
@@ -159,25 +162,24 @@ pub unsafe extern "C" fn cata_slime_new(
         options.check()?;
         // SAFETY: clause `passed on` (`chosen`).
         let device = unsafe { chosen(params.device) }?;
-        let uv = match uv.is_null() {
-            true => atlas(&mesh, options.size)?,
-            false => {
-                // SAFETY: clause `memory` (`uv`, `6 * n_faces` elements).
-                let uv = unsafe { slice("uv", uv, 6 * n_faces) }?;
-                uv.as_chunks::<2>().0.as_chunks::<3>().0.to_vec()
-            }
-        };
         let texels = options.size * options.size;
-        let mut mask = Mask::default();
-        if !start.is_null() {
-            // SAFETY: clause `memory` (`start`, `texels` elements).
-            mask.start =
-                unsafe { slice("start", start, texels) }?.iter().map(|&s| s != 0).collect();
-        }
-        if !ground.is_null() {
-            // SAFETY: clause `memory` (`ground`, `texels` elements).
-            mask.ground = unsafe { slice("ground", ground, texels) }?.to_vec();
-        }
+        // SAFETY: clause `memory` (`uv`, `6 * n_faces` elements; `start`, `texels` elements;
+        // `ground`, `texels` elements).
+        let (uv, start, ground) = unsafe {
+            (
+                optional_slice("uv", uv.cast::<[[f64; 2]; 3]>(), n_faces)?,
+                optional_slice("start", start, texels)?,
+                optional_slice("ground", ground, texels)?,
+            )
+        };
+        let uv = match uv {
+            None => atlas(&mesh, options.size)?,
+            Some(uv) => uv.to_vec(),
+        };
+        let mask = Mask {
+            start: start.unwrap_or_default().iter().map(|&texel| texel != 0).collect(),
+            ground: ground.unwrap_or_default().to_vec(),
+        };
         let surface = Surface::of_faces(&mesh, uv)?;
         let simulation = Simulation::new(surface, &options, &mask)?;
         #[cfg(feature = "opencl")]
@@ -191,7 +193,7 @@ pub unsafe extern "C" fn cata_slime_new(
             simulation,
             #[cfg(feature = "opencl")]
             on_device,
-            par: par(params.threads),
+            par: params.par(),
             caller: params.caller(),
         };
         hand_over(slime, made);
@@ -281,22 +283,16 @@ pub unsafe extern "C" fn cata_slime_size(
     boundary(|| {
         // SAFETY: clause `memory` (`size`, one value; `species`, one value; `faces`, one value;
         // `steps`, one value), clause `handles` (`slime`).
-        let (slime, outputs, steps) = unsafe {
-            (
-                known("slime", slime)?,
-                [
-                    optional_output("size", size)?,
-                    optional_output("species", species)?,
-                    optional_output("faces", faces)?,
-                ],
-                optional_output("steps", steps)?,
-            )
-        };
-        let simulation = &slime.simulation;
-        let numbers =
-            [simulation.texels().size(), simulation.species(), simulation.surface().len()];
-        outputs.into_iter().zip(numbers).for_each(|(output, number)| put(output, number));
-        put(steps, slime.steps());
+        unsafe {
+            let slime = known("slime", slime)?;
+            let own = &slime.simulation;
+            tell! {
+                size: own.texels().size(),
+                species: own.species(),
+                faces: own.surface().len(),
+                steps: slime.steps(),
+            }
+        }
         Ok(())
     })
 }
@@ -342,17 +338,12 @@ pub unsafe extern "C" fn cata_slime_coverage(
     boundary(|| {
         // SAFETY: clause `memory` (`coverage`, one value; `presence`, one value), clause `handles`
         // (`slime`).
-        let (slime, coverage, presence) = unsafe {
-            (
-                known("slime", slime)?,
-                optional_output("coverage", coverage)?,
-                optional_output("presence", presence)?,
-            )
-        };
-        check_species(&slime.simulation, species)?;
-        let found = slime.coverage()?[species];
-        put(coverage, found.coverage);
-        put(presence, found.presence);
+        unsafe {
+            let slime = known("slime", slime)?;
+            check_species(&slime.simulation, species)?;
+            let found = slime.coverage()?[species];
+            tell!(coverage: found.coverage, presence: found.presence);
+        }
         Ok(())
     })
 }
@@ -364,25 +355,21 @@ pub unsafe extern "C" fn cata_slime_coverage(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_slime_uv(slime: *const cata_slime, uv: *mut f64) -> cata_status {
     boundary(|| {
-        // SAFETY: clause `handles` (`slime`).
-        let own = unsafe { known("slime", slime)? }
-            .simulation
-            .surface()
-            .uv()
-            .as_flattened()
-            .as_flattened();
-        // SAFETY: clause `memory` (`uv`, `own.len()` elements).
-        unsafe { slice_mut("uv", uv, own.len()) }?.copy_from_slice(own);
-        Ok(())
+        // SAFETY: clause `memory` (`uv`, 6 elements a face), clause `handles` (`slime`).
+        unsafe {
+            let own = known("slime", slime)?.simulation.surface().uv();
+            copy("uv", uv, own.as_flattened().as_flattened())
+        }
     })
 }
 
 fn check_species(simulation: &Simulation, species: usize) -> Result<(), Failure> {
     let count = simulation.species();
     if species < count {
-        return Ok(());
+        Ok(())
+    } else {
+        Err(Failure::beyond("species", count, "species", species))
     }
-    Err(Failure::argument("species", format!("less than {count} (species)"), species))
 }
 
 impl cata_slime {

@@ -102,6 +102,12 @@ impl Failure {
         Self::new(CATA_ERR_ARGUMENT, format!("{what}: must be {must_be}, is {is}"))
     }
 
+    /// The failure of a number of one of `count` things, named `things`, that has to be less.
+    #[cfg(feature = "chapters")]
+    pub(super) fn beyond(what: &str, count: usize, things: &str, is: impl Display) -> Self {
+        Self::argument(what, format!("less than {count} ({things})"), is)
+    }
+
     /// The same failure, of one of several things whose arguments have the same names.
     #[cfg(feature = "chapters")]
     pub(super) fn of(self, what: &str) -> Self {

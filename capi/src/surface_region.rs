@@ -13,11 +13,11 @@
 //! ```
 
 use super::boundary::boundary;
-use super::outputs::{fill_mesh, fill_room, fill_slice, hand_over, tell};
+use super::outputs::{copy_wanted, fill_room, tell};
 use super::pointer::{
-    check_size, free, known, mesh, optional_output, optional_slice_mut, output, slice, slice_mut,
+    free, hand_over, known, mask, mesh, optional_slice_mut, output, slice, slice_mut,
 };
-use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
+use super::status::{Failure, cata_status};
 use catamaran_geometry::curve::{Region, Side, cut};
 use catamaran_geometry::mesh::Part;
 
@@ -67,25 +67,24 @@ pub unsafe extern "C" fn cata_region_enclosed(
     inside: *mut u8,
 ) -> cata_status {
     boundary(|| {
-        check_size::<u32>("along", count, 2)?;
         // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `along`, `2 *
         // count` elements).
         let (mesh, along) = unsafe {
-            (mesh(n_vertices, vertices, n_faces, faces)?, slice("along", along, 2 * count)?)
+            (
+                mesh(n_vertices, vertices, n_faces, faces)?,
+                slice("along", along.cast::<[u32; 2]>(), count)?,
+            )
         };
         let side = match side {
             CATA_SIDE_SMALL => Side::Small,
             CATA_SIDE_LARGE => Side::Large,
             // SAFETY: clause `memory` (`seeds`, `n_seeds` elements).
             CATA_SIDE_SEEDS => Side::Seeds(unsafe { slice("seeds", seeds, n_seeds) }?.to_vec()),
-            other => {
-                let why = format!("side: must be a CATA_SIDE_* value, is {other}");
-                return Err(Failure::new(CATA_ERR_ARGUMENT, why));
-            }
+            other => return Err(Failure::argument("side", "a CATA_SIDE_* value", other)),
         };
         // SAFETY: clause `memory` (`inside`, `n_faces` elements).
         let inside = unsafe { slice_mut("inside", inside, n_faces) }?;
-        write(inside, &Region::enclosed(&mesh, along.as_chunks().0, &side)?);
+        write(inside, &Region::enclosed(&mesh, along, &side)?);
         Ok(())
     })
 }
@@ -117,10 +116,7 @@ pub unsafe extern "C" fn cata_region_combine(
             CATA_REGION_INTERSECTION => first.intersection(&second)?,
             CATA_REGION_DIFFERENCE => first.difference(&second)?,
             CATA_REGION_SYMMETRIC_DIFFERENCE => first.symmetric_difference(&second)?,
-            other => {
-                let why = format!("operation: must be a CATA_REGION_* value, is {other}");
-                return Err(Failure::new(CATA_ERR_ARGUMENT, why));
-            }
+            other => return Err(Failure::argument("operation", "a CATA_REGION_* value", other)),
         };
         write(result, &found);
         Ok(())
@@ -176,19 +172,18 @@ pub unsafe extern "C" fn cata_region_boundary(
     count: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        check_size::<u32>("edges", room, 2)?;
         // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `edges`, `2 *
         // room` elements; `count`, one value), clause `passed on` (`region`).
         let (mesh, region, edges, count) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,
                 region("inside", inside, n_faces)?,
-                optional_slice_mut("edges", edges, 2 * room)?,
+                optional_slice_mut("edges", edges.cast::<[u32; 2]>(), room)?,
                 output("count", count)?,
             )
         };
         let found = region.boundary(&mesh)?;
-        fill_room("edges", edges, room, &found)?;
+        fill_room("edges", edges, &found)?;
         *count = found.len();
         Ok(())
     })
@@ -242,17 +237,16 @@ pub unsafe extern "C" fn cata_region_cut(
     part: *mut *mut cata_part,
 ) -> cata_status {
     boundary(|| {
-        check_size::<u32>("along", count, 2)?;
         // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `along`, `2 *
         // count` elements; `part`, one value).
         let (mesh, along, place) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,
-                slice("along", along, 2 * count)?,
+                slice("along", along.cast::<[u32; 2]>(), count)?,
                 output("part", part)?,
             )
         };
-        hand_over(place, cata_part { part: cut(&mesh, along.as_chunks().0)? });
+        hand_over(place, cata_part { part: cut(&mesh, along)? });
         Ok(())
     })
 }
@@ -270,11 +264,10 @@ pub unsafe extern "C" fn cata_part_size(
     boundary(|| {
         // SAFETY: clause `memory` (`n_vertices`, one value; `n_faces`, one value), clause `handles`
         // (`part`).
-        let (own, places) = unsafe {
-            let n_vertices = optional_output("n_vertices", n_vertices)?;
-            (&known("part", part)?.part, [n_vertices, optional_output("n_faces", n_faces)?])
-        };
-        tell(places, [own.vertices.len(), own.faces.len()]);
+        unsafe {
+            let own = &known("part", part)?.part;
+            tell!(n_vertices: own.vertices.len(), n_faces: own.faces.len());
+        }
         Ok(())
     })
 }
@@ -296,15 +289,16 @@ pub unsafe extern "C" fn cata_part_get(
     of_faces: *mut u32,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: clause `memory` (`of_vertices`, `own.vertices.len()` elements; `of_faces`,
-        // `own.faces.len()` elements), clause `handles` (`part`), clause `passed on` (`fill_mesh`).
+        // SAFETY: clause `memory` (`vertices` and `faces`, 3 elements for each of the part's;
+        // `of_vertices` and `of_faces`, one), clause `handles` (`part`).
         unsafe {
             let own = &known("part", part)?.part;
-            let of_vertices = optional_slice_mut("of_vertices", of_vertices, own.vertices.len())?;
-            let of_faces = optional_slice_mut("of_faces", of_faces, own.faces.len())?;
-            fill_mesh(&own.mesh, vertices, faces)?;
-            fill_slice(of_vertices, &own.vertices);
-            fill_slice(of_faces, &own.faces);
+            copy_wanted! {
+                vertices: own.mesh.vertices().as_flattened(),
+                faces: own.mesh.faces().as_flattened(),
+                of_vertices: &own.vertices,
+                of_faces: &own.faces,
+            }
         }
         Ok(())
     })
@@ -325,13 +319,8 @@ pub unsafe extern "C" fn cata_part_free(part: *mut cata_part) {
 /// # Safety
 /// The elements can be read, and no thread writes them.
 unsafe fn region(what: &'static str, inside: *const u8, faces: usize) -> Result<Region, Failure> {
-    // SAFETY: clause `passed on` (`slice`).
-    let inside = unsafe { slice(what, inside, faces) }?;
-    if let Some(f) = inside.iter().position(|&x| x > 1) {
-        let why = format!("{what}: must be 0 or 1, but element {f} is {}", inside[f]);
-        return Err(Failure::new(CATA_ERR_ARGUMENT, why));
-    }
-    Ok(Region::new(inside.iter().map(|&x| x == 1).collect()))
+    // SAFETY: clause `passed on` (`mask`).
+    unsafe { mask(what, inside, faces) }.map(Region::new)
 }
 
 fn write(place: &mut [u8], region: &Region) {

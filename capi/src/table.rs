@@ -20,12 +20,12 @@ use std::ffi::{CString, c_char, c_void};
 
 use faer::Mat;
 
-use super::boundary::{boundary, path, text};
-use super::outputs::hand_over;
+use super::boundary::{boundary, path, utf8};
+use super::outputs::tell;
 use super::params::{Params, init, params, read_or_zeros};
-use super::pointer::{Layout, free, known, matrix_mut, optional_output, output};
-use super::progress::{cata_progress, par};
-use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED, Failure, cata_status};
+use super::pointer::{Layout, free, hand_over, known, matrix_mut, output};
+use super::progress::cata_progress;
+use super::status::{CATA_ERR_UNSUPPORTED, Failure, cata_status};
 use catamaran::io::{
     ColumnKind, Columns, FileContent, FileFormat, Matrix, Missing, ReadOptions, Separator,
     TableOptions, read_file,
@@ -163,23 +163,10 @@ pub unsafe extern "C" fn cata_table_shape(
     boundary(|| {
         // SAFETY: clause `memory` (`rows`, one value; `columns`, one value; `dropped_rows`, one
         // value), clause `handles` (`table`).
-        let (table, rows, columns, dropped) = unsafe {
-            (
-                known("table", table)?,
-                optional_output("rows", rows)?,
-                optional_output("columns", columns)?,
-                optional_output("dropped_rows", dropped_rows)?,
-            )
-        };
-        let (m, n) = table.entries.shape();
-        if let Some(rows) = rows {
-            *rows = m;
-        }
-        if let Some(columns) = columns {
-            *columns = n;
-        }
-        if let Some(dropped) = dropped {
-            *dropped = table.dropped_rows;
+        unsafe {
+            let table = known("table", table)?;
+            let (m, n) = table.entries.shape();
+            tell!(rows: m, columns: n, dropped_rows: table.dropped_rows);
         }
         Ok(())
     })
@@ -296,16 +283,15 @@ impl cata_table_params {
             CATA_MISSING_DROP => Missing::Drop,
             CATA_MISSING_NAN => Missing::Nan,
             other => {
-                let why = format!("params.missing: must be a CATA_MISSING_* value, is {other}");
-                return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+                let any = "a CATA_MISSING_* value";
+                return Err(Failure::argument("params.missing", any, other));
             }
         };
         let known = |name: String| {
             let found = FileFormat::NAMES.into_iter().find(|(known, _)| *known == name);
             found.map(|(_, format)| format).ok_or_else(|| {
                 let names = FileFormat::NAMES.map(|(name, _)| name).join(", ");
-                let why = format!("params.format: must be one of {names}, is {name}");
-                Failure::new(CATA_ERR_ARGUMENT, why)
+                Failure::argument("params.format", format!("one of {names}"), name)
             })
         };
         let table = TableOptions::new()
@@ -320,7 +306,7 @@ impl cata_table_params {
             .missing_words(words.map(list))
             .encoding(encoding)
             .factors(factors.map(list).unwrap_or_default())
-            .par(par(self.threads));
+            .par(self.par());
         Ok(ReadOptions::new()
             .columns(columns.map_or(Columns::ALL, |columns| Columns::parse(&columns)))
             .format(format.map(known).transpose()?)
@@ -378,10 +364,7 @@ fn choice(what: &str, choice: i32) -> Result<Option<bool>, Failure> {
         CATA_AUTO => Ok(None),
         CATA_YES => Ok(Some(true)),
         CATA_NO => Ok(Some(false)),
-        other => {
-            let why = format!("{what}: must be CATA_AUTO, CATA_YES or CATA_NO, is {other}");
-            Err(Failure::new(CATA_ERR_ARGUMENT, why))
-        }
+        other => Err(Failure::argument(what, "CATA_AUTO, CATA_YES or CATA_NO", other)),
     }
 }
 
@@ -394,9 +377,5 @@ unsafe fn optional_text(what: &str, text: *const c_char) -> Result<Option<String
         return Ok(None);
     }
     // SAFETY: clause `texts` (`text`).
-    let text = unsafe { self::text(what, text) }?;
-    let text = text
-        .to_str()
-        .map_err(|_| Failure::new(CATA_ERR_ARGUMENT, format!("{what}: must be in UTF-8")))?;
-    Ok(Some(text.to_owned()))
+    unsafe { utf8(what, text) }.map(Some)
 }

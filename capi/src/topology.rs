@@ -13,8 +13,8 @@
 //! ```
 
 use super::boundary::boundary;
-use super::outputs::{fill_room, fill_slice, tell};
-use super::pointer::{check_size, mesh, optional_output, optional_slice_mut, output};
+use super::outputs::{fill_room, fill_slice};
+use super::pointer::{mesh, optional_output, optional_slice_mut, output, put};
 use super::status::cata_status;
 use catamaran_geometry::mesh::{Components, Edges, Genus};
 
@@ -41,21 +41,20 @@ pub unsafe extern "C" fn cata_mesh_edges(
     count: *mut usize,
 ) -> cata_status {
     boundary(|| {
-        check_size::<u32>("edges", room, 2)?;
         // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `edges`, `2 *
         // room` elements; `face_counts`, `room` elements; `count`, one value).
         let (mesh, ends, face_counts, count) = unsafe {
             (
                 mesh(n_vertices, vertices, n_faces, faces)?,
-                optional_slice_mut("edges", edges, 2 * room)?,
+                optional_slice_mut("edges", edges.cast::<[u32; 2]>(), room)?,
                 optional_slice_mut("face_counts", face_counts, room)?,
                 output("count", count)?,
             )
         };
         let found = Edges::new(&mesh);
-        let counts: Vec<_> = (0..found.len()).map(|e| [found.faces(e).len() as u32]).collect();
-        fill_room("edges", ends, room, found.ends())?;
-        fill_room("edges", face_counts, room, &counts)?;
+        let counts: Vec<_> = (0..found.len()).map(|e| found.faces(e).len() as u32).collect();
+        fill_room("edges", ends, found.ends())?;
+        fill_room("edges", face_counts, &counts)?;
         *count = found.len();
         Ok(())
     })
@@ -133,7 +132,7 @@ pub unsafe extern "C" fn cata_mesh_genus(
             Genus::NonOrientable(caps) => (caps, 0),
         };
         *genus = found;
-        tell([orientable], [is_orientable]);
+        put(orientable, is_orientable);
         Ok(())
     })
 }
@@ -176,10 +175,9 @@ pub unsafe extern "C" fn cata_mesh_boundary_loops(
             )
         };
         let found = mesh.boundary_loops(&Edges::new(&mesh))?;
-        let all: Vec<_> = found.iter().flatten().map(|&vertex| [vertex]).collect();
-        let sizes: Vec<_> = found.iter().map(|one| [one.len()]).collect();
-        fill_room("vertices", loops, room, &all)?;
-        fill_room("loops", lengths, room, &sizes)?;
+        let (all, sizes) = (found.concat(), found.iter().map(Vec::len).collect::<Vec<_>>());
+        fill_room("vertices", loops, &all)?;
+        fill_room("loops", lengths, &sizes)?;
         (*total, *count) = (all.len(), sizes.len());
         Ok(())
     })

@@ -14,12 +14,11 @@
 use std::ffi::{c_char, c_void};
 
 use super::boundary::{boundary, path};
-use super::outputs::hand_over;
-use super::params::{init, params, with_params};
+use super::params::{Params, init, params, with_params};
 use super::pointer::{
-    check_size, copied, free, known, mesh, optional_output, output, slice, slice_mut,
+    copied, free, hand_over, known, mesh, optional_output, output, put, slice, slice_mut,
 };
-use super::progress::{cata_progress, par};
+use super::progress::cata_progress;
 use super::status::cata_status;
 use catamaran::base::Progress;
 use catamaran_geometry::unions::{K, SpectralUnion, interpolate};
@@ -94,22 +93,20 @@ pub unsafe extern "C" fn cata_unions_predict(
     ood_score: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        check_size::<f64>("spectra", parts, K)?;
         // SAFETY: clause `memory` (`spectra`, `K * parts` elements; `spectrum`, `K` elements;
         // `ood_score`, one value), clause `handles` (`unions`).
         let (unions, spectra, spectrum, ood_score) = unsafe {
             (
                 known("unions", unions)?,
-                slice("spectra", spectra, K * parts)?,
+                slice("spectra", spectra.cast::<[f64; K]>(), parts)?,
                 slice_mut("spectrum", spectrum, K)?,
                 optional_output("ood_score", ood_score)?,
             )
         };
-        let parts: Vec<&[f64]> = spectra.chunks_exact(K).collect();
+        let parts: Vec<&[f64]> = spectra.iter().map(<[f64; K]>::as_slice).collect();
         let union = unions.model.predict_all(&parts)?;
-        if let Some(place) = ood_score {
-            *place = unions.model.ood_score(&parts)?;
-        }
+        let score = ood_score.is_some().then(|| unions.model.ood_score(&parts)).transpose()?;
+        put(ood_score, score.unwrap_or_default());
         spectrum.copy_from_slice(&union);
         Ok(())
     })
@@ -167,22 +164,21 @@ pub unsafe extern "C" fn cata_unions_locate(
     params: *const cata_unions_params,
 ) -> cata_status {
     boundary(|| {
-        check_size::<f64>("spectra", parts, K)?;
         // SAFETY: clause `memory` (`spectra`, `K * parts` elements; the mesh, 3 numbers a vertex
         // and 3 indices a face; `indicator`, `n_vertices` elements), clause `handles` (`unions`).
         let (unions, spectra, template, indicator) = unsafe {
             (
                 known("unions", unions)?,
-                slice("spectra", spectra, K * parts)?,
+                slice("spectra", spectra.cast::<[f64; K]>(), parts)?,
                 mesh(n_vertices, vertices, n_faces, faces)?,
                 slice_mut("indicator", indicator, n_vertices)?,
             )
         };
-        let parts: Vec<&[f64]> = spectra.chunks_exact(K).collect();
+        let parts: Vec<&[f64]> = spectra.iter().map(<[f64; K]>::as_slice).collect();
         let work = |params: &cata_unions_params, progress: Progress<'_>| {
             let found = unions.model.locate(&parts)?;
             let localizer = unions.model.localizer();
-            let on = localizer.on_mesh_watched(&template, par(params.threads), progress)?;
+            let on = localizer.on_mesh_watched(&template, params.par(), progress)?;
             Ok(on.indicator(&found)?)
         };
         // SAFETY: clause `structs` (`params`).

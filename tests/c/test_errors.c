@@ -77,6 +77,13 @@ static void test_overlaps(void)
         cata_ata_f64(ROW, CATA_BOTH, M, N, 1.0, shared, N + N, 0.0, shared + N - 1, N + N, NULL),
         CATA_ERR_ARGUMENT);
     CHECK_STATUS(cata_atb_f64(ROW, M, N, N, 1.0, a, N, a, N, 0.0, square, N, NULL), CATA_OK);
+    /* A struct is an argument, too. */
+    cata_gram_params params = {.struct_size = sizeof params};
+    CHECK_STATUS(cata_gram_orthogonality(ROW, M, N, a, N, (double *)(void *)&params.threads, NULL,
+                                         &params),
+                 CATA_ERR_ARGUMENT);
+    CHECK_MESSAGE("max: must not overlap params");
+    CHECK(params.threads == 0);
 }
 
 static void test_batches(void)
@@ -106,6 +113,12 @@ static void test_batches(void)
         cata_ata_batched_pointers_f64(ROW, CATA_BOTH, 2, 2, 1, 1, from, 1, 0, to, 1, NULL),
         CATA_ERR_ARGUMENT);
     CHECK_MESSAGE("c[1]: must not overlap c[0]");
+    to[0] = (double *)(void *)from;
+    CHECK_STATUS(
+        cata_ata_batched_pointers_f64(ROW, CATA_BOTH, 1, 2, 1, 1, from, 1, 0, to, 1, NULL),
+        CATA_ERR_ARGUMENT);
+    CHECK_MESSAGE("c[0]: must not overlap a");
+    CHECK(from[0] == a);
     CHECK_UNTOUCHED();
 }
 
@@ -136,6 +149,12 @@ static void test_shapes(void)
     CHECK_STATUS(cata_ata_f64(ROW, CATA_BOTH, SIZE_MAX / 4, SIZE_MAX / 4, 1.0, a, SIZE_MAX / 4, 0.0,
                               c, SIZE_MAX / 4, NULL),
                  CATA_ERR_SHAPE);
+    /* An array that would not end before the address space does. */
+    CHECK_STATUS(ata(ROW, CATA_BOTH, (double *)(UINTPTR_MAX - 7), N, c, N, NULL), CATA_ERR_SHAPE);
+    CHECK_MENTIONS("a: its 12 elements exceed the address space");
+    /* Lines of nothing have no stride. */
+    CHECK_STATUS(cata_ata_f64(ROW, CATA_BOTH, M, 0, 1.0, NULL, SIZE_MAX, 0.0, NULL, 1, NULL),
+                 CATA_OK);
     size_t len = 77;
     CHECK_STATUS(cata_ata_scratch_len_f64(1, SIZE_MAX / 64, NULL, &len), CATA_ERR_SHAPE);
     CHECK(len == 77);

@@ -231,6 +231,12 @@ static void test_lstsq_refusals(void)
     result.struct_size = 8;
     REFUSED(LSTSQ(rows, 1, a, 2, b, 1, 1), CATA_ERR_ARGUMENT, "result.struct_size:");
     result.struct_size = sizeof result;
+    /* X would be where condition and digits are written. */
+    CHECK_STATUS(cata_lstsq(rows, 3, 2, 1, a, 2, b, 1, weights, &result.condition, 1, &result,
+                            &params),
+                 CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("x: must not overlap result");
+    CHECK(result.rank == 77);
     int calls = 0;
     params.progress = cancel;
     params.progress_user = &calls;

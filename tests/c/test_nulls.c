@@ -248,6 +248,8 @@ static void test_surfaces(void)
     NEEDS("file", cata_mesh_isosurface(counts, origin, step, &value, 0, 0, NULL, NULL));
     NEEDS("labels", cata_mesh_label_surface(counts, origin, step, NULL, 1, 0, NULL, &file));
     NEEDS("name", cata_mesh_shape(NULL, 0, NULL, 0, NULL, &file));
+    CHECK_STATUS(cata_mesh_shape("gr\xef" "d", 0, NULL, 0, NULL, &file), CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("name: must be in UTF-8");
     NEEDS("counts", cata_mesh_shape("grid", 2, NULL, 0, NULL, &file));
     NEEDS("sizes", cata_mesh_shape("figure", 1, counts, 1, NULL, &file));
     NEEDS("file", cata_mesh_shape("grid", 2, counts, 0, NULL, NULL));

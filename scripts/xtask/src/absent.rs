@@ -88,7 +88,14 @@ fn untyped(declaration: &str) -> String {
             continue;
         }
         let is_absent = word.starts_with("cata_") && !TYPES.contains(&word.as_str());
-        text += if is_absent { "c_void" } else { &word };
+        let is_pointed_to = text.ends_with("const ") || text.ends_with("mut ");
+        let name = match (is_absent, is_pointed_to) {
+            (false, _) => word.as_str(),
+            (true, true) => "c_void",
+            // A pointer to a function.
+            (true, false) => "*const c_void",
+        };
+        text += name;
         word.clear();
         text.push(c);
     }
@@ -155,11 +162,12 @@ mod tests {
 
     #[test]
     fn types_of_absent_features_become_untyped() {
-        let source = "#[unsafe(no_mangle)]\npub unsafe extern \"C\" fn cata_f(\n    a: *const f64,\n    \
-                      f: *mut *mut cata_f,\n    params: *const cata_ata_params,\n) -> cata_status {\n}\n";
+        let source = "#[unsafe(no_mangle)]\npub unsafe extern \"C\" fn cata_f(\n    \
+                      a: *const f64,\n    f: *mut *mut cata_f,\n    slice: cata_slice,\n    params: *const \
+                      cata_ata_params,\n) -> cata_status {\n}\n";
         let found: Vec<String> = functions(source).collect();
-        let expected = "fn cata_f(a: *const f64, f: *mut *mut c_void, params: *const \
-                        cata_ata_params) -> cata_status";
+        let expected = "fn cata_f(a: *const f64, f: *mut *mut c_void, slice: *const c_void, \
+                        params: *const cata_ata_params) -> cata_status";
         assert_eq!(found, [expected]);
     }
 }
