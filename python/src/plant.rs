@@ -3,13 +3,12 @@
 use std::path::PathBuf;
 
 use catamaran::Par;
-use catamaran::base::{Error, Progress};
+use catamaran::base::Progress;
 use catamaran::faer::Mat;
-use catamaran::io::SourceOptions;
 use catamaran_simulation::plant::families::{GrowthOptions, grow as grow_plant};
 use catamaran_simulation::plant::{
-    Conductivity, Elasticity, Interval, Plant as Graph, Pose, RodOptions, Rods, Segment,
-    WaterModel, WaterOptions, WiltOptions, Wilting, grams_per_hour, read, read_individual,
+    Conductivity, Elasticity, Interval, Plant as Graph, Pose, ReadOptions, RodOptions, Rods,
+    Segment, WaterModel, WaterOptions, WiltOptions, Wilting, grams_per_hour, read_with,
     tubes as tubes_of, wilt as wilt_plant,
 };
 use pyo3::prelude::*;
@@ -115,14 +114,9 @@ pub fn read_plant(
     unit: (f64, f64),
 ) -> PyResult<PlantHandle> {
     let graph = run(py, Length::Long, None, move |_| {
-        let plant = match individual {
-            Some(name) => read_individual(&path, &name, &SourceOptions::new()),
-            None => read(&path),
-        };
-        plant?.scaled(unit.0, unit.1).map_err(|error| match error {
-            Error::Argument { why, .. } => Error::Argument { what: "unit", why },
-            other => other,
-        })
+        let mut options = ReadOptions::new().unit([unit.0, unit.1]);
+        options.individual = individual.as_deref();
+        read_with(&path, &options)
     })?;
     Ok(PlantHandle { graph })
 }

@@ -4,7 +4,7 @@ use super::super::{Plant, Segment};
 use super::lines::Lines;
 use catamaran::base::Result;
 
-pub(super) fn read(lines: &mut Lines<'_>) -> Result<Plant> {
+pub(super) fn read(lines: &mut Lines<'_>, [length, thickness]: [f64; 2]) -> Result<Plant> {
     let count = header(lines, "verts")?;
     let mut segments = Vec::new();
     for expected in 0..count {
@@ -14,14 +14,15 @@ pub(super) fn read(lines: &mut Lines<'_>) -> Result<Plant> {
         if id != expected {
             return Err(lines.fail(format!("the next id must be {expected}, is {id}")));
         }
-        let mut number = |what| lines.number(what, words.next());
-        let tail = [number("x")?, number("y")?, number("z")?];
-        let mut segment = Segment::stem(tail, number("radius")?);
-        segment.leaf = number("on_leaf")? > 0.5;
+        let tail = lines.point(&mut words, length)?;
+        let radius = thickness * lines.number("radius", words.next())?;
+        let mut segment = Segment::stem(tail, radius);
+        segment.leaf = lines.flag("on_leaf", words.next())?;
         segment.pinned = match words.next() {
-            Some(word) => lines.number("fixed", Some(word))? > 0.5,
+            Some(word) => lines.flag("fixed", Some(word))?,
             None => false,
         };
+        lines.end(words, "id,x,y,z,radius,on_leaf and perhaps fixed")?;
         segments.push(segment);
     }
     let count = header(lines, "edges")?;
@@ -31,6 +32,7 @@ pub(super) fn read(lines: &mut Lines<'_>) -> Result<Plant> {
         let mut words = line.split(',');
         let mut node = || lines.count("node", words.next()).map(|v| v as u32);
         edges.push([node()?, node()?]);
+        lines.end(words, "the two nodes of an edge")?;
     }
     if lines.next()?.is_some() {
         return Err(lines.fail(format!("more than the announced {count} edges")));
