@@ -65,7 +65,7 @@ impl<'a> Lines<'a> {
         words: &mut impl Iterator<Item = &'w str>,
         unit: f64,
     ) -> Result<[f64; 3]> {
-        let mut coordinate = |what| Ok(unit * self.number(what, words.next())?);
+        let mut coordinate = |what| self.number(what, words.next()).map(|number| unit * number);
         Ok([coordinate("x")?, coordinate("y")?, coordinate("z")?])
     }
 

@@ -26,8 +26,9 @@ pub enum PlantFormat {
     /// -1 for the root, in metres. Type 7 ("custom") marks veins of leaves.
     Swc,
     /// Multiscale tree graphs (Godin and Caraglio 1998) of one plant (of several:
-    /// [`ReadOptions::individual`]), with coordinates (columns `XX`, `YY`, `ZZ`) or else lengths (`Length`,
-    /// `Longueur`, `Long`, `Len`) and angles of branches in degrees (`Insertion` or `Alpha`, `Azimuth`).
+    /// [`ReadOptions::individual`]), with coordinates (columns `XX`, `YY`, `ZZ`) or else lengths
+    /// (`Length`, `Longueur`, `Long`, `Len`) and angles of branches in degrees (`Insertion` or
+    /// `Alpha`, `Azimuth`).
     /// Radii are those of `Radius`, or half of `Diameter`, `Diam`, `TopDia` or `diasom` and, at the
     /// base, of `BottomDia` or `diabase`. All in metres; [`ReadOptions::unit`] says other units.
     /// [`Plant::notes`] says what was not in the file. Class `L...` (leaf) marks veins of leaves,
