@@ -151,7 +151,7 @@ impl Fractal {
         let is_marked = |root: &u16| root & iterate::UNREACHED != 0;
         self.unreached = reserved(self.roots.iter().filter(|root| is_marked(root)).count())?;
         // There are fewer than 2^31 points.
-        let numbers = (0..).zip(&mut self.roots).filter(|(_, root)| is_marked(root));
+        let numbers = (0_u32..).zip(&mut self.roots).filter(|(_, root)| is_marked(root));
         self.unreached.extend(numbers.map(|(i, root)| {
             *root &= !iterate::UNREACHED;
             i
