@@ -316,6 +316,11 @@ fn a_material_is_in_a_file_with_its_mesh() {
         "half.obj",
         "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\nf 1 3 4\n",
     );
+    let said = folder.run("newton half.obj --uv --size 16 -o half.png").stderr;
+    assert!(said.contains("half.obj: 1 of 2 faces have no texture coordinates"), "{said}");
+    folder.write("far.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 3 0\nvt 0 3\nf 1/1 2/2 3/3\n");
+    let said = folder.run("newton far.obj --uv --size 16 -o far.png").stderr;
+    assert!(said.contains("far.obj: parts with texture coordinates outside of 0 to 1"), "{said}");
     let bare = folder.fail("newton half.obj --uv --size 16 --write-material a.glb");
     assert!(bare.contains("half.obj: face 1: has no texture coordinates"), "{bare}");
     let oblong = folder.fail("newton square.obj --uv --size 8x4 --write-material a.glb");
