@@ -261,6 +261,13 @@ fn read_curves(table: LeafTable<'_>, groups: &mut [LeafGroup]) -> Result<()> {
             Err(error) => group.notes.push(format!("curve {sample} is left out: {error}")),
         }
     }
+    for group in groups.iter_mut().filter(|group| group.turgor_loss.len() == 1) {
+        group.notes.push(format!(
+            "the only turgor loss point of {} is not used: its deviation between leaves is not \
+             known",
+            group.name
+        ));
+    }
     Ok(())
 }
 
@@ -285,6 +292,12 @@ impl<'a> Table<'a> {
         // Spreadsheets begin text with a byte order mark.
         let mut lines = table.text.trim_start_matches('\u{feff}').lines();
         let header = cells(lines.next().unwrap_or_default());
+        for (i, name) in header.iter().enumerate() {
+            if header[..i].iter().any(|other| !name.is_empty() && name.eq_ignore_ascii_case(other))
+            {
+                return Err(Error::file(table.path, format!("has two columns {name:?}")));
+            }
+        }
         let mut found = Self { path: table.path, header, rows: vec![] };
         for (i, line) in lines.enumerate().filter(|(_, line)| !line.trim().is_empty()) {
             let row = Row { line: i + 2, cells: cells(line) };
@@ -301,7 +314,7 @@ impl<'a> Table<'a> {
     }
 
     fn column(&self, name: &str) -> Option<usize> {
-        self.header.iter().position(|cell| *cell == name)
+        self.header.iter().position(|cell| cell.eq_ignore_ascii_case(name))
     }
 
     fn columns<const N: usize>(&self, names: [&str; N]) -> Result<[usize; N]> {
@@ -351,7 +364,13 @@ fn seconds(text: &str) -> Option<f64> {
     let day: Vec<i64> = day.split('-').map(whole).collect::<Option<_>>()?;
     let time: Vec<i64> = time.split(':').map(whole).collect::<Option<_>>()?;
     let (&[year, month, day], &[hour, minute, second]) = (&day[..], &time[..]) else { return None };
-    let is_date = (1..=12).contains(&month) && (1..=31).contains(&day);
+    let is_leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
+    let length = match month {
+        2 => 28 + i64::from(is_leap),
+        4 | 6 | 9 | 11 => 30,
+        _ => 31,
+    };
+    let is_date = (1..=12).contains(&month) && (1..=length).contains(&day);
     if !is_date || hour > 23 || minute > 59 || second > 59 {
         return None;
     }
@@ -374,6 +393,8 @@ mod tests {
         assert_eq!(seconds("1970-01-01 00:00:00"), Some(0.0));
         assert_eq!(seconds("2000-03-01 00:00:01"), Some(951_868_801.0));
         assert_eq!(seconds("2019-03-26 08:48:00"), Some(1_553_590_080.0));
+        assert!(seconds("2020-02-29 00:00:00").is_some() && seconds("2019-02-29 0:0:0").is_none());
+        assert!(seconds("2019-04-30 00:00:00").is_some() && seconds("2019-04-31 0:0:0").is_none());
         for wrong in ["2019-03-26", "2019-13-26 08:48:00", "26.03.2019 08:48:00", "", "a b"] {
             assert_eq!(seconds(wrong), None, "{wrong}");
         }
@@ -399,6 +420,7 @@ mod tests {
         says("1,0.5\n", "expected 6 cells");
         says("1,0.5,6,x,2019-03-26 08:00:00,5.9\n", "leaf.area \"x\" is no finite number");
         says("1,0.5,6,120,8:00,5.9\n", "is no time such as");
+        says("1,0.5,6,120,2019-02-30 08:00:00,5.9\n", "is no time such as");
         says(&format!("{first}1,0.5,6,119,2019-03-26 09:00:00,5.9\n"), "has another dry weight");
         says(&format!("{first}1,0.5,6,120,2019-03-26 07:00:00,5.9\n"), "must ascend");
         let enclose = "l.csv:2: the records of the air in a.csv do not enclose 2019-03-28 07:00:00";
@@ -420,6 +442,8 @@ mod tests {
         says_of(&drying, &air.replace(",30", ",300"), "a.csv:3: humidity 300: must be from 0 to");
         let fractions = air.replace(",40", ",0.4").replace(",30", ",0.3");
         says_of(&drying, &fractions, "a.csv: no humidity is above 1 %: it must be in %");
+        let twice = drying.replace("leaf.area", "Sample");
+        says_of(&twice, air, "l.csv: has two columns \"Sample\"");
         let backwards = air.replace("2019-03-27 00", "2019-03-25 00");
         says_of(&drying, &backwards, "a.csv:3: 2019-03-25 00:00:00 is not later");
     }
@@ -430,7 +454,7 @@ mod tests {
             LeafTable { path: Path::new(path), text }
         }
         // A byte order mark is no part of the first column's name.
-        let drying = "\u{feff}treatment,sample,dry.weight,fresh.weight.saturated,leaf.area,\
+        let drying = "\u{feff}Treatment,sample,dry.weight,fresh.weight.saturated,leaf.area,\
                       date.and.time,fresh.weight,fw.plateau\n\
                       dry,1,0.5,6,120,2019-03-26 08:00:00,5.9,TRUE\n\
                       dry,1,0.5,6,120,2019-03-26 09:00:00,5.8,FALSE\n\
@@ -438,8 +462,14 @@ mod tests {
         let hourly: String =
             (0..24).map(|hour| format!("2019-03-26 {hour:02}:00:00,20,40\n")).collect();
         let air = |rows: &str| format!("date.and.time,temperature,humidity\n{rows}");
-        let curves = "treatment,sample,fresh.weight,dry.weight,fresh.weight.saturated,\
-                      water.potential\nwet,7,5,0.5,6,-3\n";
+        let mut curves = "treatment,sample,fresh.weight,dry.weight,fresh.weight.saturated,\
+                          water.potential\nwet,7,5,0.5,6,-3\n"
+            .to_string();
+        for i in 0..10 {
+            let w = 0.7 + 0.03 * f64::from(i);
+            let potential = -1.2 * 0.8 / (w - 0.2) + 5.0 * f64::max(w - 0.86, 0.0);
+            curves += &format!("dry,8,{},0.5,6,{potential}\n", 0.5 + 5.5 * w);
+        }
         let read = |air: &str, curves: Option<&str>| {
             let curves = curves.map(|text| table("c.csv", text));
             read_leaves(table("l.csv", drying), table("a.csv", air), curves).unwrap()
@@ -447,7 +477,8 @@ mod tests {
         let groups = read(&air(&hourly), None);
         assert_eq!((groups[0].name.as_str(), groups[0].leaves[0].weights.len()), ("dry", 2));
         assert!(groups[0].notes.is_empty(), "{:?}", groups[0].notes);
-        let notes = read(&air(&hourly), Some(curves))[0].notes.join("; ");
+        let notes = read(&air(&hourly), Some(&curves))[0].notes.join("; ");
+        assert!(notes.contains("the only turgor loss point of dry is not used"), "{notes}");
         assert!(
             notes.contains("curve 7 is left out: no leaf has its treatment, \"wet\""),
             "{notes}"

@@ -37,7 +37,26 @@ pub(super) fn read(lines: &mut Lines<'_>, [length, thickness]: [f64; 2]) -> Resu
     if lines.next()?.is_some() {
         return Err(lines.fail(format!("more than the announced {count} edges")));
     }
-    Plant::from_edges(segments, &edges, None)
+    let plant = Plant::from_edges(segments, &edges, None)?;
+    let note = far_root(&plant);
+    Ok(plant.with_notes(note.into_iter().collect()))
+}
+
+/// Returns a note on a root far from the origin, where its segment begins.
+fn far_root(plant: &Plant) -> Option<String> {
+    /// The length of a usual root segment, relative to that of the longest other segment. It is at
+    /// most 1.5 in the plants of the reference implementation.
+    const USUAL: f64 = 10.0;
+    let (root, lengths) = (plant.root(), plant.lengths());
+    let others = (0..plant.len()).filter(|&v| v != root).map(|v| lengths[v]);
+    let longest = others.fold(0.0, f64::max);
+    (longest > 0.0 && lengths[root] > USUAL * longest).then(|| {
+        format!(
+            "the segment of the root, node {root}, is {:.3} m long, and no other more than \
+             {longest:.3} m: it begins at the origin",
+            lengths[root]
+        )
+    })
 }
 
 fn header(lines: &mut Lines<'_>, keyword: &str) -> Result<usize> {

@@ -39,6 +39,11 @@ fn the_reference_format_is_read() {
     refusal("verts 1\n0,0,0,1,.1,1,.7\nedges 0\n", at, "fixed: must be 0 or 1, is 0.7");
     let two = "verts 2\n0,0,0,1,.1,0\n1,0,0,2,.1,1\nedges 1\n";
     refusal(&format!("{two}0,1,2\n"), at, "plant.txt:5: \"2\" is one too many");
+    // The segment of the root begins at the origin, however far it is.
+    let notes = |text: &str| read_bytes(text.as_bytes(), at).unwrap().notes().join("; ");
+    let away = "verts 2\n0,30,40,0,.1,0\n1,30,40,1,.1,1\nedges 1\n0,1\n";
+    assert!(notes(away).contains("node 0, is 50.000 m long, and no other more than 1.000 m"));
+    assert_eq!(notes(&away.replace("30,40", "3,4")), "");
 }
 
 #[test]
