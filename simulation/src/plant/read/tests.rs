@@ -33,7 +33,11 @@ fn the_reference_format_is_read() {
     refusal("verts 0\nedges 0\n", at, "must have 1 to 2^32 - 2 nodes, has 0");
     refusal("verts 1\n0,0,0,1,1,0\nedges 0\n0,0\n", at, "more than the announced 0 edges");
     // A decimal comma shifts the numbers after it.
-    refusal("verts 1\n0,0,0,1,5,0,002,1\nedges 0\n", at, "plant.txt:2: on_leaf: must be 0 or 1");
+    refusal(
+        "verts 1\n0,0,0,1,5,0,002,1\nedges 0\n",
+        at,
+        "plant.txt:2: fixed: must be 0 or 1, is 2",
+    );
     refusal("verts 1\n0,0,0,1,5,0,0,02\nedges 0\n", at, "plant.txt:2: \"02\" is one too many");
     refusal("verts 1\n0,0,0,1,.1,2\nedges 0\n", at, "on_leaf: must be 0 or 1, is 2");
     refusal("verts 1\n0,0,0,1,.1,1,.7\nedges 0\n", at, "fixed: must be 0 or 1, is 0.7");
