@@ -64,7 +64,7 @@ impl TextFile {
         if self.is_stdin() { "stdin".into() } else { self.0.display().to_string() }
     }
 
-    /// Reads the whole file.
+    /// Reads the whole file, without a byte order mark at its beginning.
     ///
     /// # Errors
     /// The file can't be read, or is not UTF-8 text.
@@ -73,7 +73,9 @@ impl TextFile {
             true => std::io::read_to_string(std::io::stdin()),
             false => std::fs::read_to_string(&self.0),
         };
-        Ok(text.map_err(|e| catamaran::Error::io(self.name(), e))?)
+        let text = text.map_err(|e| catamaran::Error::io(self.name(), e))?;
+        // Spreadsheets begin text with a byte order mark.
+        Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
     }
 }
 

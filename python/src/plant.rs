@@ -5,12 +5,11 @@ use std::path::PathBuf;
 use catamaran::Par;
 use catamaran::base::{Error, Progress};
 use catamaran::faer::Mat;
-use catamaran::io::SourceOptions;
 use catamaran_simulation::plant::families::{GrowthOptions, grow as grow_plant};
 use catamaran_simulation::plant::{
-    Conductivity, Elasticity, Interval, Plant as Graph, Pose, RodOptions, Rods, Segment,
-    WaterModel, WaterOptions, WiltOptions, Wilting, grams_per_hour, read, read_individual,
-    tubes as tubes_of, wilt as wilt_plant,
+    Conductivity, Elasticity, Interval, Plant as Graph, Pose, ReadOptions, Rewatering, RodOptions,
+    Rods, Segment, Soil, Stomata, WaterModel, WaterOptions, WiltOptions, Wilting, grams_per_hour,
+    read_with, tubes as tubes_of, wilt as wilt_plant,
 };
 use pyo3::prelude::*;
 
@@ -19,6 +18,9 @@ use crate::error::{exception, refused};
 use crate::mesh::{Mesh, arrays, positions};
 use crate::options::{Threads, arguments, par};
 use crate::task::{Length, run};
+
+/// Grams in a kilogram.
+const GRAMS: f64 = 1e3;
 
 /// A plant as arrays: the tails of its segments, their radii, parents (-1 at the root), whether
 /// they are on leaves, and the base.
@@ -115,14 +117,9 @@ pub fn read_plant(
     unit: (f64, f64),
 ) -> PyResult<PlantHandle> {
     let graph = run(py, Length::Long, None, move |_| {
-        let plant = match individual {
-            Some(name) => read_individual(&path, &name, &SourceOptions::new()),
-            None => read(&path),
-        };
-        plant?.scaled(unit.0, unit.1).map_err(|error| match error {
-            Error::Argument { why, .. } => Error::Argument { what: "unit", why },
-            other => other,
-        })
+        let mut options = ReadOptions::new().unit([unit.0, unit.1]);
+        options.individual = individual.as_deref();
+        read_with(&path, &options)
     })?;
     Ok(PlantHandle { graph })
 }
@@ -146,6 +143,13 @@ arguments! {
         steepness: f64,
         shift: f64,
         damage: Vec<(usize, f64)>,
+        /// The relative water content at which stomata are half closed, the steepness, and the
+        /// share of the cuticle.
+        stomata: Option<(f64, f64, f64)>,
+        /// The capacity of the soil and its content, in g.
+        soil: Option<(f64, f64)>,
+        /// Hours, and grams; without these as much as the soil holds.
+        rewater: Vec<(f64, Option<f64>)>,
         threads: Threads,
     }
 }
@@ -174,14 +178,32 @@ impl Weather {
         if self.day_night {
             options = options.cycle(Interval::day_and_night(loss));
         }
+        if let Some((half, steepness, cuticular)) = self.stomata {
+            let stomata = Stomata::new().half(half).steepness(steepness).cuticular(cuticular);
+            options = options.stomata(Some(stomata));
+        }
+        if let Some((capacity, content)) = self.soil {
+            let soil = Soil::new(capacity / GRAMS).content(content / GRAMS);
+            options = options.soil(Some(soil));
+        }
+        if let Some((late, _)) = self.rewater.iter().find(|(hours, _)| *hours > self.hours) {
+            let why = format!("{late} hours is after the end, {} hours", self.hours);
+            return Err(Error::Argument { what: "rewater", why });
+        }
+        let pour = |&(hours, grams): &(f64, Option<f64>)| Rewatering {
+            seconds: 3600.0 * hours,
+            amount: grams.map(|grams| grams / GRAMS),
+        };
+        options = options.rewatering(self.rewater.iter().map(pour).collect::<Vec<_>>());
         let rods = Rods::new(graph, &RodOptions::default())?;
         Ok((hours, model.full(), wilt_plant(&model, &rods, &times, &options)?))
     }
 }
 
-/// Hours, full water, water and moduli (frames x nodes), and for each frame the heads, tails and
-/// rotations of the segments.
+/// Hours, full water, water and moduli (frames x nodes), the balance (frames x 5), and for each
+/// frame the heads, tails and rotations of the segments.
 type Frames<'py> = (
+    Bound<'py, PyAny>,
     Bound<'py, PyAny>,
     Bound<'py, PyAny>,
     Bound<'py, PyAny>,
@@ -210,6 +232,10 @@ pub fn wilt<'py>(
         Ok::<_, PyErr>(from_matrix(py, matrix.as_ref())?.into_any())
     };
     let (water, moduli) = (table(&found.water)?, table(&found.moduli)?);
+    let balance = found.balance.iter();
+    let balance: Vec<Vec<f64>> =
+        balance.map(|b| vec![b.plant, b.soil, b.transpired, b.supplied, b.drained]).collect();
+    let balance = table(&balance)?;
     let pose = |pose: Pose| {
         Ok::<_, PyErr>([
             from_rows(py, pose.heads)?.into_any(),
@@ -218,7 +244,8 @@ pub fn wilt<'py>(
         ])
     };
     let poses = found.poses.into_iter().map(pose).collect::<PyResult<_>>()?;
-    Ok((from_vec(py, hours).into_any(), from_vec(py, full).into_any(), water, moduli, poses))
+    let (hours, full) = (from_vec(py, hours).into_any(), from_vec(py, full).into_any());
+    Ok((hours, full, water, moduli, balance, poses))
 }
 
 /// A mesh of tubes around the segments of a pose; see `catamaran.Wilting`.

@@ -230,5 +230,5 @@ pub fn newton<'py>(
         }
     })?;
     let (roots, convergence) = (from_vec(py, found.roots), from_vec(py, found.convergence));
-    Ok((roots.into_any(), convergence.into_any(), found.unreached))
+    Ok((roots.into_any(), convergence.into_any(), found.unreached.len()))
 }

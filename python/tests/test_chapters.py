@@ -118,6 +118,29 @@ def test_plants_lose_water_and_bend():
         catamaran.wilt(plant, -1.0)
 
 
+def test_stomata_soil_and_rewatering_balance():
+    plant = catamaran.grow_plant(60, seed=3)
+    open_ = catamaran.wilt(plant, 100, frames=4, loss=400)
+    closed = catamaran.wilt(plant, 100, frames=4, loss=400, stomata=(0.8, 25))
+    assert closed.water[-1].sum() > open_.water[-1].sum()
+    leaky = catamaran.wilt(plant, 100, frames=4, loss=400, stomata=(0.8, 25, 0.2))
+    assert open_.water[-1].sum() < leaky.water[-1].sum() < closed.water[-1].sum()
+    # The soil is empty at first, and is watered twice; a part drains.
+    pot = catamaran.wilt(plant, 100, frames=4, soil=(1.0, 0.0), rewater={25.0: 0.5, 50.0: 9.0})
+    plant_, earth, lost, supplied, drained = pot.balance.T
+    assert np.allclose(plant_, pot.water.sum(axis=1), rtol=0, atol=1e-12)
+    assert np.allclose(plant_ + earth + lost, plant_[0] + supplied, rtol=0, atol=1e-12)
+    assert earth[0] == 0 and supplied[1] == 5e-4 and np.isclose(supplied[-1] + drained[-1], 9.5e-3)
+    full = catamaran.wilt(plant, 10, frames=1, soil=1.0, rewater={5.0: None})
+    assert full.balance[0, 1] == 1e-3 and full.balance[-1, 4] == 0
+    with pytest.raises(ValueError, match="rewater: 20 hours is after the end, 10 hours"):
+        catamaran.wilt(plant, 10, soil=1.0, rewater={20.0: None})
+    with pytest.raises(ValueError, match="stomata: must be 2 or 3 numbers"):
+        catamaran.wilt(plant, 10, stomata=(0.8,))
+    with pytest.raises(ValueError, match="soil"):
+        catamaran.wilt(plant, 10, soil=(1.0, 2.0))
+
+
 def test_plants_are_read_by_name_and_unit_and_their_notes_are_warnings(tmp_path):
     path = tmp_path / "plants.mtg"
     rows = "/P1\n^/E1\t10\t1\n/P2\n^/E1\t15\t4\n^<L2\t5\n"

@@ -22,6 +22,7 @@ pub mod opencl;
 #[doc(hidden)]
 pub const OPTIONS: &[(&str, &[catamaran::base::Field])] = &[
     ("plant::families::GrowthOptions", plant::families::GrowthOptions::FIELDS),
+    ("plant::ReadOptions", plant::ReadOptions::FIELDS),
     ("plant::WaterOptions", plant::WaterOptions::FIELDS),
     ("plant::Stomata", plant::Stomata::FIELDS),
     ("plant::CurveOptions", plant::CurveOptions::FIELDS),

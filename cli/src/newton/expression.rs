@@ -5,8 +5,8 @@ use catamaran::faer::c64;
 /// Returns the coefficients of the polynomial that `text` describes, that of the highest power
 /// first.
 ///
-/// The syntax has sums, differences and products (with `*` or without) of numbers, `i`, `z` and
-/// expressions in parentheses, each with an optional `^` and a whole power.
+/// The syntax has sums, differences and products (with `*` or without) of numbers (also as `1e6`),
+/// `i`, `z` and expressions in parentheses, each with an optional `^` and a whole power.
 pub fn polynomial(text: &str) -> Result<Vec<[f64; 2]>, String> {
     let mut parser = Parser { text, at: 0 };
     let found = parser.sum()?;
@@ -128,13 +128,31 @@ impl Parser<'_> {
             }
             Some(c) if c == '.' || c.is_ascii_digit() => {
                 let digits = self.digits(|c| c == '.' || c.is_ascii_digit());
+                let digits = digits + &self.exponent();
                 let value: f64 =
                     digits.parse().map_err(|_| self.error(&format!("{digits} is not a number")))?;
+                if value.is_infinite() {
+                    return Err(self.error(&format!("{digits} is too large")));
+                }
                 Ok(Polynomial::number(c64::new(value, 0.0)))
             }
             Some(c) => Err(self.error(&format!("`{c}` where a number, i, z or `(` is needed"))),
             None => Err(self.error("the text ends where a number, i, z or `(` is needed")),
         }
+    }
+
+    /// Takes the exponent of a number, such as the `e-3` of `2e-3`; empty if there is none.
+    fn exponent(&mut self) -> String {
+        let rest = &self.text[self.at..];
+        let Some(power) = rest.strip_prefix(['e', 'E']) else { return String::new() };
+        let digits = power.strip_prefix(['+', '-']).unwrap_or(power);
+        let count = digits.chars().take_while(char::is_ascii_digit).count();
+        if count == 0 {
+            return String::new();
+        }
+        let len = rest.len() - digits.len() + count;
+        self.at += len;
+        rest[..len].to_owned()
     }
 
     /// Returns the next character that is no space, without taking it.
@@ -178,6 +196,8 @@ mod tests {
             ("2*(z+i)^2", vec![[2.0, 0.0], [0.0, 4.0], [-2.0, 0.0]]),
             ("z^0", vec![one]),
             ("i^2 z", vec![[-1.0, 0.0], [0.0; 2]]),
+            ("z - 1e6", vec![one, [-1e6, 0.0]]),
+            ("2.5E+1z-1e-3i", vec![[25.0, 0.0], [0.0, -1e-3]]),
         ] {
             let found = polynomial(text).unwrap();
             // Leading zeros stay: the search for roots removes them.
@@ -202,6 +222,9 @@ mod tests {
             ("2 ** z", "`*` where a number"),
             ("π z", "`π` where a number"),
             ("z + 2x", "`x` is not expected, at character 6"),
+            ("z + 2e", "`e` is not expected, at character 6"),
+            ("z + 2e-z", "`e` is not expected, at character 6"),
+            ("z + 1e999", "1e999 is too large"),
         ] {
             let refused = polynomial(text).unwrap_err();
             assert!(refused.contains(why), "{text}: {refused}");

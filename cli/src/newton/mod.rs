@@ -277,7 +277,7 @@ pub fn run(args: &Args) -> Result<()> {
             .map_err(|e| refused(e, args))?;
         time += start.elapsed();
         points += fractal.roots.len();
-        unreached += fractal.unreached;
+        unreached += fractal.unreached.len();
         outputs.add(&drawing, &newton, &fractal, par, progress.part(0.5..1.0))?;
     }
     outputs.finish()?;
@@ -297,8 +297,9 @@ pub fn run(args: &Args) -> Result<()> {
         let percent = 100.0 * unreached as f64 / points as f64;
         note(format_args!(
             "{unreached} of {points} points ({percent:.3} %) reach no root in {iterations} \
-             iterations, and are drawn as those of the nearest root: they are on the border of \
-             basins, in a cycle, or need more iterations (--iterations)"
+             iterations, and are black in pictures and colours: they are on the border of basins, \
+             in a cycle, or need more iterations (--iterations). Numbers of roots and basins count \
+             them to the nearest root"
         ));
     }
     for path in Outputs::names(args) {
@@ -417,6 +418,21 @@ fn drawing(args: &Args) -> Result<Drawing> {
     }
     let uv = file.uv.as_ref().context("no texture coordinates (--uv)").with_context(named)?;
     let texels = texels(&fitted, uv, width, height).with_context(named)?;
+    if args.write_material.is_none() && slime::fitted(uv) != *uv {
+        note(format_args!(
+            "{}: parts with texture coordinates outside of 0 to 1 are not in the texture \
+             (--write-material scales them into it)",
+            named()
+        ));
+    }
+    let bare = (0..fitted.faces().len()).filter(|&f| uv.of_face(&fitted, f).is_none()).count();
+    if bare > 0 {
+        note(format_args!(
+            "{}: {bare} of {} faces have no texture coordinates, and are not in the texture",
+            named(),
+            fitted.faces().len()
+        ));
+    }
     if texels.shared > 0 {
         note(format_args!(
             "{}: faces overlap in the texture: {} of {} texels belong to several faces, and show \

@@ -10,8 +10,8 @@ use catamaran::io::{self as files, Output};
 use catamaran_geometry::mesh::TriMesh;
 use catamaran_geometry::mesh::io::{self as meshes, MeshFile, MeshFormat};
 use catamaran_simulation::texture::newton::{
-    Fractal, Grid, Inlay, Newton, Points, Texels, VolumeFormat, Voxels, darkened, root_color,
-    write_volume,
+    Fractal, Grid, Inlay, Newton, Points, Texels, UNREACHED_COLOR, VolumeFormat, Voxels, darkened,
+    root_color, write_volume,
 };
 
 use super::voxels::{self, Opacity, Transfer};
@@ -327,10 +327,16 @@ fn write_heights(
     Ok(files::write(output, lines(&values, width))?)
 }
 
-/// Returns the colours of points: those of their roots, darker the slower the points converge.
+/// Returns the colours of points: those of their roots, darker the slower the points converge, and
+/// a separate one for points that reach no root.
 pub fn colors(newton: &Newton, fractal: &Fractal) -> Vec<[u8; 3]> {
     let n = newton.roots();
     let palette: Vec<_> = (0..n * n).map(|root| root_color(root as u16, n)).collect();
     let all = fractal.roots.iter().zip(&fractal.convergence);
-    all.map(|(&root, &t)| darkened(palette[usize::from(root)], newton.share(t))).collect()
+    let color = |(&root, &t): (&u16, &f32)| darkened(palette[usize::from(root)], newton.share(t));
+    let mut colors: Vec<[u8; 3]> = all.map(color).collect();
+    for &i in &fractal.unreached {
+        colors[i as usize] = UNREACHED_COLOR;
+    }
+    colors
 }

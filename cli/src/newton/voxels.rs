@@ -5,7 +5,7 @@ use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran_geometry::mesh::io::{Labels, MeshFile};
 use catamaran_geometry::mesh::{Rim, TriMesh};
-use catamaran_simulation::texture::newton::{Fractal, Grid, Newton, root_color};
+use catamaran_simulation::texture::newton::{Fractal, Grid, Newton, UNREACHED_COLOR, root_color};
 use clap::ValueEnum;
 
 use crate::picture::Volume;
@@ -103,11 +103,15 @@ pub fn volume(
         (true, Opacity::Solid) => (SOLID / step[0]) as f32,
         (true, Opacity::Slow) => (SLOW / side * transfer.opacity(newton.share(t))) as f32,
     };
+    let mut colors: Vec<_> = fractal.roots.iter().map(|&root| root_color(root, n)).collect();
+    for &i in &fractal.unreached {
+        colors[i as usize] = UNREACHED_COLOR;
+    }
     Volume {
         counts: grid.counts.map(|count| count as usize),
         low: [0, 1, 2].map(|c| f64::from(grid.origin[c]) - 0.5 * step[c]),
         step,
-        colors: fractal.roots.iter().map(|&root| root_color(root, n)).collect(),
+        colors,
         extinction: fractal.roots.iter().zip(&fractal.convergence).map(extinction).collect(),
     }
 }

@@ -2,6 +2,7 @@
 //! the reference implementation. The file is also part of a fuzz target, so that it uses nothing of
 //! the command line but [`super::look`].
 
+use std::collections::HashSet;
 use std::fs;
 use std::path::Path;
 
@@ -115,7 +116,7 @@ fn toml(text: &str) -> Result<Loaded> {
 /// second.
 fn reference(text: &str) -> Result<Loaded> {
     let mut options = Options::default();
-    let mut without_effect = Vec::new();
+    let (mut without_effect, mut seen) = (Vec::new(), HashSet::new());
     for (number, line) in (1..).zip(text.lines()) {
         let line = line.trim();
         if line.is_empty() || line.starts_with([';', '#', '[']) {
@@ -124,6 +125,9 @@ fn reference(text: &str) -> Result<Loaded> {
         let Some((key, value)) = line.split_once('=').map(|(k, v)| (k.trim(), v.trim())) else {
             bail!("line {number}: {line:?} is not of the form NAME=VALUE");
         };
+        if !seen.insert(key) {
+            bail!("line {number}: {key} is there twice");
+        }
         let real = || value.parse::<f64>().with_context(|| format!("line {number}: {key}"));
         let count = || value.parse::<usize>().with_context(|| format!("line {number}: {key}"));
         match key {
@@ -205,6 +209,8 @@ mod tests {
         assert_eq!((o.agents, o.species, o.turn_speed), (1000, 3, 9000.0));
         assert_eq!((o.movement_speed, o.vision_distance, o.vision_angle), (1.0, 1.5, 45.0));
         assert_eq!((o.evaporation_rate, o.diffusion_rate), (0.3, 4.0));
+        let error = reference("NumAgents=3\n[Other]\nNumAgents=4").unwrap_err().to_string();
+        assert!(error.contains("line 3: NumAgents is there twice"), "{error}");
         let error = reference("NumAgent=3").unwrap_err().to_string();
         assert!(error.contains("line 1") && error.contains("NumAgent"), "{error}");
         let error = format!("{:#}", reference("NumSpecies=3\nMoveSpeed=-1").unwrap_err());

@@ -87,6 +87,8 @@ pub fn write(
         material = material.emission(glow.flipped());
     }
     let mut model = mesh.clone();
+    // Those of mesh.obj, in place of which is this one.
+    (model.materials, model.material_files) = (None, vec![]);
     // Without normals viewers show flat faces.
     let values = model.mesh.vertex_normals();
     model.normals = Some(Attribute { values, corners: None });

@@ -6,8 +6,8 @@ use anyhow::{Context, Result, bail};
 use catamaran::Par;
 use catamaran_simulation::plant::families::{GrowthOptions, grow};
 use catamaran_simulation::plant::{
-    Conductivity, Elasticity, FitOptions, LeafOptions, MotionOptions, Plant, Segment, Soil,
-    Stomata, Tissue, WaterOptions, Wind, read_individual, read_with,
+    Conductivity, Elasticity, FitOptions, LeafOptions, MotionOptions, Plant, ReadOptions, Segment,
+    Soil, Stomata, Tissue, WaterOptions, Wind, read_with,
 };
 use clap::{ArgGroup, ValueEnum, ValueHint};
 
@@ -84,7 +84,7 @@ pub struct Args {
     /// Metres in a unit of the file's lengths and, after a comma, of its radii and diameters, if
     /// they have another unit: 0.01,0.001 for centimetres and millimetres.
     #[arg(long, value_name = "METRES[,METRES]", value_parser = unit, conflicts_with = "grow")]
-    unit: Option<(f64, f64)>,
+    unit: Option<[f64; 2]>,
     /// Generate a plant with this number of nodes instead of reading one.
     #[arg(
         long,
@@ -385,9 +385,9 @@ fn weakening(text: &str) -> Result<(usize, f64), String> {
 }
 
 /// Parses `METRES` or `METRES,METRES`: the units of lengths and of radii.
-fn unit(text: &str) -> Result<(f64, f64), String> {
+fn unit(text: &str) -> Result<[f64; 2], String> {
     let (length, radius) = text.split_once(',').unwrap_or((text, text));
-    Ok((parse::positive(length)?, parse::positive(radius)?))
+    Ok([parse::positive(length)?, parse::positive(radius)?])
 }
 
 impl Args {
@@ -403,16 +403,10 @@ impl Args {
     pub fn plant(&self) -> Result<Plant> {
         let plant = match &self.plant {
             Some(path) => {
-                let plant = match &self.individual {
-                    Some(name) => read_individual(path, name, &input::source())?,
-                    None => read_with(path, &input::source())?,
-                };
-                let plant = match self.unit {
-                    Some((length, radius)) => {
-                        plant.scaled(length, radius).with_context(|| self.name())?
-                    }
-                    None => plant,
-                };
+                let mut options = ReadOptions::new().source(input::source());
+                options.individual = self.individual.as_deref();
+                options.unit = self.unit.unwrap_or(options.unit);
+                let plant = read_with(path, &options)?;
                 for line in plant.notes() {
                     note(format_args!("{}: {line}", path.display()));
                 }

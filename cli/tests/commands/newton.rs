@@ -316,6 +316,11 @@ fn a_material_is_in_a_file_with_its_mesh() {
         "half.obj",
         "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\nf 1 3 4\n",
     );
+    let said = folder.run("newton half.obj --uv --size 16 -o half.png").stderr;
+    assert!(said.contains("half.obj: 1 of 2 faces have no texture coordinates"), "{said}");
+    folder.write("far.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 3 0\nvt 0 3\nf 1/1 2/2 3/3\n");
+    let said = folder.run("newton far.obj --uv --size 16 -o far.png").stderr;
+    assert!(said.contains("far.obj: parts with texture coordinates outside of 0 to 1"), "{said}");
     let bare = folder.fail("newton half.obj --uv --size 16 --write-material a.glb");
     assert!(bare.contains("half.obj: face 1: has no texture coordinates"), "{bare}");
     let oblong = folder.fail("newton square.obj --uv --size 8x4 --write-material a.glb");
@@ -491,7 +496,17 @@ fn points_that_reach_no_root_are_counted() {
     // A cycle from 0 to 1 and back attracts an open set of points (Smale 1985).
     let cycle = count("--polynomial z^3-2z+2 --extent 4");
     assert!(cycle > 20 && cycle < 64 * 64, "{cycle}");
+    // They are black, which no root is.
+    let black = pixels(&folder.path("a.png")).iter().filter(|color| **color == [0; 3]).count();
+    assert_eq!(black, cycle);
     assert_eq!(count("--polynomial z^3-2z+2 --extent 4 --threads 1"), cycle);
+    // So are vertices.
+    folder.write("t.obj", "v 1 0 0\nv 0 0 0\nv 0 1 0\nf 1 2 3\n");
+    folder.succeed("newton t.obj --no-fit --power 3 -o t.ply");
+    let file = catamaran_geometry::mesh::io::read(&folder.path("t.ply")).unwrap();
+    let colors = file.colors.unwrap();
+    let black = [0.0, 0.0, 0.0, 1.0];
+    assert_eq!([0, 1, 2].map(|v| colors[v] == black), [false, true, false]);
     // Two roots on both sides of a line that no pixel is on: all others converge.
     assert_eq!(count("--power 2"), 0);
     assert_eq!(count("--power 2 --iterations 1"), 64 * 64);

@@ -103,13 +103,16 @@ class Wilting:
         Water of each segment when cells are full, in kg.
     water, moduli : ndarray, frames x n
         Water in kg and modulus of elasticity in Pa.
+    balance : ndarray, frames x 5
+        Water in the plant and in the soil, and what leaves have lost, what the soil has taken of
+        the water poured on it, and what has drained since the beginning, in kg.
     heads, tails : ndarray, frames x n x 3
         The pose at rest, in metres.
     """
 
     def __init__(self, plant: Plant, found: Tuple[Any, ...]) -> None:
         self.plant = plant
-        self.hours, self.full_water, self.water, self.moduli, self._poses = found
+        self.hours, self.full_water, self.water, self.moduli, self.balance, self._poses = found
         self.heads: NDArray[np.float64] = np.stack([pose[0] for pose in self._poses])
         self.tails: NDArray[np.float64] = np.stack([pose[1] for pose in self._poses])
 
@@ -142,6 +145,9 @@ def wilt(
     conductance: float = 1e-9,
     cut: Sequence[int] = (),
     weaken: Optional[Mapping[int, float]] = None,
+    stomata: Optional[Sequence[float]] = None,
+    soil: Optional[Union[float, Tuple[float, float]]] = None,
+    rewater: Optional[Mapping[float, Optional[float]]] = None,
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> Wilting:
@@ -169,6 +175,15 @@ def wilt(
         Segments whose connection to their parent is cut, for water.
     weaken : mapping of int to float, optional
         What the conductance of connections is multiplied by.
+    stomata : (float, float) or (float, float, float), optional
+        The relative water content at which stomata are half closed, and how abruptly they close:
+        (0.8, 25) is usual. The third number is the loss through the cuticle as a part of `loss`,
+        0 by default. Without `stomata` they stay open.
+    soil : float or (float, float), optional
+        What the soil holds of water that the root takes up, in grams, and what it has at first, by
+        default as much as it holds.
+    rewater : mapping of float to float or None, optional
+        Grams of water that are poured on the soil after these hours, None for as much as it holds.
     threads, progress
         As in `ata`.
 
@@ -185,6 +200,9 @@ def wilt(
     >>> bool(found.water[-1].sum() < found.water[0].sum())
     True
     """
+    if stomata is not None and len(stomata) not in (2, 3):
+        raise ValueError(f"stomata: must be 2 or 3 numbers, is {stomata!r}")
+    wet = (soil, soil) if isinstance(soil, (int, float)) else soil
     damage: List[Tuple[int, float]] = [(node, 0.0) for node in cut]
     damage.extend((weaken or {}).items())
     weather = {
@@ -197,6 +215,9 @@ def wilt(
         "steepness": steepness,
         "shift": shift,
         "damage": damage,
+        "stomata": None if stomata is None else (*stomata, 0.0)[:3],
+        "soil": wet,
+        "rewater": list((rewater or {}).items()),
         "threads": threads,
     }
     return Wilting(plant, _catamaran.wilt(plant._handle, weather, callback(progress)))

@@ -96,7 +96,7 @@ pub fn evaluate_newton_in_groups(
         let fraction = (first + roots.len()) as f64 / count as f64;
         progress.report(fraction)?;
     }
-    Ok(fractal.counted())
+    fractal.marked()
 }
 
 /// The buffers on the device.

@@ -1,15 +1,12 @@
 use catamaran::base::{Error, Result};
 use catamaran_geometry::mesh::Adjacency;
-use catamaran_geometry::mesh::vector::{distance, scale};
+use catamaran_geometry::mesh::vector::distance;
 
 /// Marks the root, which has no parent.
 pub(crate) const NONE: u32 = u32::MAX;
 
 /// A plant that spans more, in metres, is not in metres: the tallest tree has 116.
 const TALLEST: f64 = 120.0;
-
-/// The end of the note on such a plant.
-const NO_UNITS: &str = "metres, more than any tree: files of this format do not state their units";
 
 /// A straight segment of stem, branch or vein. It is identified by the node of the plant at its
 /// end.
@@ -67,8 +64,6 @@ pub struct Plant {
     lengths: Vec<f64>,
     root: u32,
     base: [f64; 3],
-    /// Whether the radii are a share of the lengths, in the unit of these.
-    has_guessed_radii: bool,
     notes: Vec<String>,
 }
 
@@ -202,8 +197,8 @@ impl Plant {
                 None => [tail[0], tail[1], tail[2] - 0.01],
             }
         });
-        let (lengths, notes, has_guessed_radii) = (vec![], vec![], false);
-        let mut plant = Self { segments, parents, lengths, root, base, has_guessed_radii, notes };
+        let (lengths, notes) = (vec![], vec![]);
+        let mut plant = Self { segments, parents, lengths, root, base, notes };
         plant.lengths =
             (0..plant.len()).map(|v| distance(plant.head(v), plant.segments[v].tail)).collect();
         match plant.lengths.iter().position(|&h| h.is_nan() || h <= 0.0 || h.is_infinite()) {
@@ -281,11 +276,6 @@ impl Plant {
         Self { notes, ..self }
     }
 
-    /// Says whether the radii are a share of the lengths, and have their unit.
-    pub(crate) fn with_guessed_radii(self, has_guessed_radii: bool) -> Self {
-        Self { has_guessed_radii, ..self }
-    }
-
     /// Notes the extent of the plant, base included, if it is that of no plant in metres.
     pub(crate) fn noting_span(mut self) -> Self {
         let span = |i: usize| {
@@ -295,49 +285,12 @@ impl Plant {
         };
         let span = (0..3).map(span).fold(0.0, f64::max);
         if span > TALLEST {
-            self.notes.push(format!("the plant spans {span:.0} {NO_UNITS}"));
+            self.notes.push(format!(
+                "the plant spans {span:.0} metres, more than any tree: files do not state their \
+                 units"
+            ));
         }
         self
-    }
-
-    /// Returns the plant with its coordinates and lengths times `length` and its radii times
-    /// `radius`, both positive: the units of a file in metres. Leaf areas grow with the square of
-    /// `length`. Radii that a reader guessed from the lengths are multiplied by `length`.
-    ///
-    /// ```
-    /// use catamaran_simulation::plant::{Plant, Segment};
-    ///
-    /// // Height in centimetres, radius in millimetres.
-    /// let stem = vec![Segment::stem([0.0, 0.0, 50.0], 4.0)];
-    /// let plant = Plant::new(stem, &[None], Some([0.0; 3]))?.scaled(1e-2, 1e-3)?;
-    /// assert_eq!((plant.lengths()[0], plant.segments()[0].radius), (0.5, 0.004));
-    /// # Ok::<(), catamaran::Error>(())
-    /// ```
-    ///
-    /// # Errors
-    /// [`Error::Argument`] for a factor that is not positive; [`Error::Mesh`] names a node whose
-    /// length or radius overflows or vanishes.
-    pub fn scaled(self, length: f64, radius: f64) -> Result<Self> {
-        for (what, factor) in [("length", length), ("radius", radius)] {
-            if !(factor > 0.0 && factor.is_finite()) {
-                let why = format!("must be positive and finite, is {factor}");
-                return Err(Error::Argument { what, why });
-            }
-        }
-        let Self { mut segments, parents, root, base, has_guessed_radii, mut notes, .. } = self;
-        let radius = if has_guessed_radii { length } else { radius };
-        for segment in &mut segments {
-            segment.tail = scale(segment.tail, length);
-            segment.radius *= radius;
-            segment.leaf_area = segment.leaf_area.map(|area| area * length * length);
-        }
-        check_segments(&segments)?;
-        let plant = Self::measured(segments, parents, root, Some(scale(base, length)))?;
-        let count = notes.len();
-        notes.retain(|note| !note.ends_with(NO_UNITS));
-        let noted = notes.len() < count;
-        let plant = plant.with_notes(notes).with_guessed_radii(has_guessed_radii);
-        Ok(if noted { plant.noting_span() } else { plant })
     }
 
     /// Returns the nodes in depth-first order: every parent before its children, children in

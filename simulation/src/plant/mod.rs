@@ -23,7 +23,7 @@ pub use fit::{
 pub use graph::{Plant, Segment};
 pub use parts::Part;
 pub use read::{
-    LeafGroup, LeafTable, PlantFormat, read, read_bytes, read_individual, read_leaves, read_with,
+    LeafGroup, LeafTable, PlantFormat, ReadOptions, read, read_bytes, read_leaves, read_with,
 };
 pub use rods::{Energy, Motion, MotionOptions, Pose, RelaxOptions, Relaxation, RodOptions, Rods};
 pub use sway::{Sway, SwayOptions, sway};

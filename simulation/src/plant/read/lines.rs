@@ -59,6 +59,34 @@ impl<'a> Lines<'a> {
         number.ok_or_else(|| self.fail(format!("{what}: {word:?} is not a finite number")))
     }
 
+    /// Parses the coordinates x, y and z in units of `unit` metres.
+    pub fn point<'w>(
+        &self,
+        words: &mut impl Iterator<Item = &'w str>,
+        unit: f64,
+    ) -> Result<[f64; 3]> {
+        let mut coordinate = |what| self.number(what, words.next()).map(|number| unit * number);
+        Ok([coordinate("x")?, coordinate("y")?, coordinate("z")?])
+    }
+
+    /// Parses 0 or 1.
+    pub fn flag(&self, what: &str, word: Option<&str>) -> Result<bool> {
+        match self.number(what, word)? {
+            0.0 => Ok(false),
+            1.0 => Ok(true),
+            other => Err(self.fail(format!("{what}: must be 0 or 1, is {other}"))),
+        }
+    }
+
+    /// Returns an error if there is a word left: a number with a decimal comma, for example, is two
+    /// words, and shifts all that follow.
+    pub fn end<'w>(&self, mut words: impl Iterator<Item = &'w str>, expected: &str) -> Result<()> {
+        match words.next() {
+            Some(word) => Err(self.fail(format!("{word:?} is one too many: expected {expected}"))),
+            None => Ok(()),
+        }
+    }
+
     /// Parses a whole number from 0, which may have the form 3.0.
     pub fn count(&self, what: &str, word: Option<&str>) -> Result<usize> {
         let value = self.number(what, word)?;

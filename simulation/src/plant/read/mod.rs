@@ -12,7 +12,7 @@ use std::path::Path;
 pub use self::leaves::{LeafGroup, LeafTable, read_leaves};
 use self::lines::Lines;
 use super::Plant;
-use catamaran::base::{Error, Result};
+use catamaran::base::{Error, Result, options, positive};
 use catamaran::io::{Packing, Source, SourceOptions};
 
 /// The format of a plant file.
@@ -20,16 +20,17 @@ use catamaran::io::{Packing, Source, SourceOptions};
 pub enum PlantFormat {
     /// `verts N`, N lines `id,x,y,z,radius,on_leaf[,fixed]`, `edges M`, M lines `id,id`: the format
     /// of the reference implementation of the thesis, in metres. The root is the node nearest to
-    /// the origin, where its segment begins.
+    /// the origin, where its segment begins. `on_leaf` and `fixed` are 0 or 1.
     Reference,
     /// Neuron and tree skeletons (Cannon et al. 1998): lines `id type x y z radius parent`, parent
     /// -1 for the root, in metres. Type 7 ("custom") marks veins of leaves.
     Swc,
     /// Multiscale tree graphs (Godin and Caraglio 1998) of one plant (of several:
-    /// [`read_individual`]), with coordinates (columns `XX`, `YY`, `ZZ`) or else lengths (`Length`,
-    /// `Longueur`, `Long`) and angles of branches in degrees (`Insertion` or `Alpha`, `Azimuth`).
+    /// [`ReadOptions::individual`]), with coordinates (columns `XX`, `YY`, `ZZ`) or else lengths
+    /// (`Length`, `Longueur`, `Long`, `Len`) and angles of branches in degrees (`Insertion` or
+    /// `Alpha`, `Azimuth`).
     /// Radii are those of `Radius`, or half of `Diameter`, `Diam`, `TopDia` or `diasom` and, at the
-    /// base, of `BottomDia` or `diabase`. All in metres; [`Plant::scaled`] converts other units.
+    /// base, of `BottomDia` or `diabase`. All in metres; [`ReadOptions::unit`] says other units.
     /// [`Plant::notes`] says what was not in the file. Class `L...` (leaf) marks veins of leaves,
     /// `P...` (petiole) their stalks.
     Mtg,
@@ -74,56 +75,54 @@ impl PlantFormat {
 /// [`Error::Io`] with the file and the line; [`Error::Mesh`], with the file, for nodes that make no
 /// plant ([`Plant::new`]).
 pub fn read(path: &Path) -> Result<Plant> {
-    read_with(path, &SourceOptions::new())
+    read_with(path, &ReadOptions::new())
 }
 
-/// Reads as [`read()`] does, within a limit of memory, and with a callback that receives the
-/// fraction of the file read and may cancel.
+options! {
+    /// Options of [`read_with`].
+    #[derive(Debug, Clone, Copy)]
+    pub struct ReadOptions<'a> {
+        /// Metres in a unit of the lengths and coordinates of the file, and in a unit of its radii
+        /// and diameters: `[1e-2, 1e-3]` for centimetres and millimetres.
+        unit: [f64; 2] = [1.0, 1.0], unit "m", range "positive and finite";
+        /// The name of one of several plants in an MTG file, such as `P3`.
+        individual: Option<&'a str> = None, setter into;
+        /// The limit of memory, and a callback that receives the fraction of the file read and may
+        /// cancel.
+        source: SourceOptions<'a> = SourceOptions::new();
+    }
+}
+
+/// Reads as [`read()`] does, with options.
 ///
 /// ```
 /// use catamaran::io::SourceOptions;
-/// use catamaran_simulation::plant;
-///
-/// # let folder = tempfile::tempdir().unwrap();
-/// # let path = &folder.path().join("plant.swc");
-/// std::fs::write(path, "1 1 0 0 0 0.2 -1\n2 3 0 1 0 0.1 1\n").unwrap();
-/// assert!(plant::read_with(path, &SourceOptions::new().max_memory(64)).is_err());
-/// # Ok::<(), catamaran::Error>(())
-/// ```
-///
-/// # Errors
-/// As [`read()`], and [`Error::Cancelled`].
-pub fn read_with(path: &Path, options: &SourceOptions<'_>) -> Result<Plant> {
-    let (format, packing) = PlantFormat::of(path)?;
-    read_source(Source::open(path, packing, options)?, format, path, None)
-}
-
-/// Reads one of several plants in an MTG file, by its name.
-///
-/// ```
-/// use catamaran::io::SourceOptions;
-/// use catamaran_simulation::plant::read_individual;
+/// use catamaran_simulation::plant::{ReadOptions, read_with};
 ///
 /// # let folder = tempfile::tempdir().unwrap();
 /// # let path = &folder.path().join("plants.mtg");
-/// std::fs::write(path, "MTG:\nTOPO\tLength\n/P1\n^/E1\t1\n/P2\n^/E1\t2\n").unwrap();
-/// let plant = read_individual(path, "P2", &SourceOptions::new())?;
-/// assert_eq!(plant.lengths(), [2.0]);
+/// std::fs::write(path, "MTG:\nTOPO\tLength\n/P1\n^/E1\t1\n/P2\n^/E1\t200\n").unwrap();
+/// let options = ReadOptions::new().individual("P2").unit([1e-2, 1e-3]);
+/// assert_eq!(read_with(path, &options)?.lengths(), [2.0]);
+/// let small = options.source(SourceOptions::new().max_memory(64));
+/// assert!(read_with(path, &small).is_err());
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 ///
 /// # Errors
-/// As [`read_with`], and [`Error::Io`] for a file of another format and for a name that the file
-/// does not have; it lists those of the file.
-pub fn read_individual(path: &Path, name: &str, options: &SourceOptions<'_>) -> Result<Plant> {
-    let (format, packing) = PlantFormat::of(path)?;
-    if format != PlantFormat::Mtg {
-        return Err(Error::file(
-            path,
-            format!("has no plant {name:?}: only .mtg files have names"),
-        ));
+/// As [`read()`], [`Error::Argument`] for a unit out of its range, and [`Error::Cancelled`];
+/// [`Error::Io`] for a name of a plant that the file does not have, which lists those of the file,
+/// and for one in a file of another format.
+pub fn read_with(path: &Path, options: &ReadOptions<'_>) -> Result<Plant> {
+    for unit in options.unit {
+        positive("unit", unit)?;
     }
-    read_source(Source::open(path, packing, options)?, format, path, Some(name))
+    let (format, packing) = PlantFormat::of(path)?;
+    if let (Some(name), true) = (options.individual, format != PlantFormat::Mtg) {
+        let what = format!("has no plant {name:?}: only .mtg files have names");
+        return Err(Error::file(path, what));
+    }
+    read_source(Source::open(path, packing, &options.source)?, format, path, options)
 }
 
 /// Reads the plant in `bytes`, which are not packed, like a file.
@@ -145,23 +144,23 @@ pub fn read_bytes(bytes: &[u8], format: PlantFormat) -> Result<Plant> {
         PlantFormat::Mtg => "plant.mtg",
         PlantFormat::Obj => "plant.obj",
     });
-    read_source(Source::of_bytes(path, bytes), format, path, None)
+    read_source(Source::of_bytes(path, bytes), format, path, &ReadOptions::new())
 }
 
 fn read_source(
     source: Source<'_>,
     format: PlantFormat,
     path: &Path,
-    name: Option<&str>,
+    options: &ReadOptions<'_>,
 ) -> Result<Plant> {
     let mut lines = Lines::new(source);
     let plant = match format {
-        PlantFormat::Reference => reference::read(&mut lines),
-        PlantFormat::Swc => swc::read(&mut lines),
-        PlantFormat::Mtg => mtg::read(&mut lines, name),
-        PlantFormat::Obj => obj::read(&mut lines),
+        PlantFormat::Reference => reference::read(&mut lines, options.unit),
+        PlantFormat::Swc => swc::read(&mut lines, options.unit),
+        PlantFormat::Mtg => mtg::read(&mut lines, options.unit, options.individual),
+        PlantFormat::Obj => obj::read(&mut lines, options.unit),
     };
-    plant.map_err(|error| match error {
+    plant.map(Plant::noting_span).map_err(|error| match error {
         Error::Mesh { what, element } => {
             Error::Mesh { what, element: format!("{}: {element}", path.display()) }
         }

@@ -8,9 +8,10 @@ use super::super::Plant;
 use super::lines::Lines;
 use catamaran::base::Result;
 
-/// Reads the plant with a name, such as `P3`, or the only one.
-pub(super) fn read(lines: &mut Lines<'_>, name: Option<&str>) -> Result<Plant> {
-    let mut graph = graph::header(lines)?;
+/// Reads the plant with a name, such as `P3`, or the only one. `unit` has the metres in a unit of
+/// lengths, and in one of diameters.
+pub(super) fn read(lines: &mut Lines<'_>, unit: [f64; 2], name: Option<&str>) -> Result<Plant> {
+    let mut graph = graph::header(lines, unit)?;
     while let Some(line) = lines.next_row()? {
         graph.row(lines, &line)?;
     }

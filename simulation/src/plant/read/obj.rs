@@ -7,28 +7,32 @@ use catamaran::base::Result;
 /// The default radius of a vertex, in metres.
 const RADIUS: f64 = 1e-3;
 
-pub(super) fn read(lines: &mut Lines<'_>) -> Result<Plant> {
+pub(super) fn read(lines: &mut Lines<'_>, [length, thickness]: [f64; 2]) -> Result<Plant> {
     let mut segments: Vec<Segment> = Vec::new();
     let mut edges: Vec<[u32; 2]> = Vec::new();
     while let Some(line) = lines.next()? {
-        let mut words = line.split_whitespace();
+        let mut words = line.split('#').next().unwrap_or_default().split_whitespace();
         match words.next() {
             Some("v") => {
-                let mut number = |what| lines.number(what, words.next());
-                let tail = [number("x")?, number("y")?, number("z")?];
+                let tail = lines.point(&mut words, length)?;
                 let radius = match words.next() {
-                    Some(word) => lines.number("radius", Some(word))?,
+                    Some(word) => thickness * lines.number("radius", Some(word))?,
                     None => RADIUS,
                 };
+                lines.end(words, "x, y, z and perhaps a radius, no colours")?;
                 segments.push(Segment::stem(tail, radius));
             }
             Some("l") => {
-                let mut before = None;
+                let (mut before, mut count) = (None, 0);
                 for word in words {
+                    count += 1;
                     let v = vertex(lines, word, segments.len())?;
                     if let Some(u) = before.replace(v) {
                         edges.push([u, v]);
                     }
+                }
+                if count < 2 {
+                    return Err(lines.fail("a line (`l`) of fewer than two vertices"));
                 }
             }
             Some("f") => return Err(lines.fail("a face (`f`): a plant has lines (`l`) only")),

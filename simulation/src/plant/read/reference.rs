@@ -4,7 +4,7 @@ use super::super::{Plant, Segment};
 use super::lines::Lines;
 use catamaran::base::Result;
 
-pub(super) fn read(lines: &mut Lines<'_>) -> Result<Plant> {
+pub(super) fn read(lines: &mut Lines<'_>, [length, thickness]: [f64; 2]) -> Result<Plant> {
     let count = header(lines, "verts")?;
     let mut segments = Vec::new();
     for expected in 0..count {
@@ -14,14 +14,15 @@ pub(super) fn read(lines: &mut Lines<'_>) -> Result<Plant> {
         if id != expected {
             return Err(lines.fail(format!("the next id must be {expected}, is {id}")));
         }
-        let mut number = |what| lines.number(what, words.next());
-        let tail = [number("x")?, number("y")?, number("z")?];
-        let mut segment = Segment::stem(tail, number("radius")?);
-        segment.leaf = number("on_leaf")? > 0.5;
+        let tail = lines.point(&mut words, length)?;
+        let radius = thickness * lines.number("radius", words.next())?;
+        let mut segment = Segment::stem(tail, radius);
+        segment.leaf = lines.flag("on_leaf", words.next())?;
         segment.pinned = match words.next() {
-            Some(word) => lines.number("fixed", Some(word))? > 0.5,
+            Some(word) => lines.flag("fixed", Some(word))?,
             None => false,
         };
+        lines.end(words, "id,x,y,z,radius,on_leaf and perhaps fixed")?;
         segments.push(segment);
     }
     let count = header(lines, "edges")?;
@@ -31,11 +32,31 @@ pub(super) fn read(lines: &mut Lines<'_>) -> Result<Plant> {
         let mut words = line.split(',');
         let mut node = || lines.count("node", words.next()).map(|v| v as u32);
         edges.push([node()?, node()?]);
+        lines.end(words, "the two nodes of an edge")?;
     }
     if lines.next()?.is_some() {
         return Err(lines.fail(format!("more than the announced {count} edges")));
     }
-    Plant::from_edges(segments, &edges, None)
+    let plant = Plant::from_edges(segments, &edges, None)?;
+    let note = far_root(&plant);
+    Ok(plant.with_notes(note.into_iter().collect()))
+}
+
+/// Returns a note on a root far from the origin, where its segment begins.
+fn far_root(plant: &Plant) -> Option<String> {
+    /// The length of a usual root segment, relative to that of the longest other segment. It is at
+    /// most 1.5 in the plants of the reference implementation.
+    const USUAL: f64 = 10.0;
+    let (root, lengths) = (plant.root(), plant.lengths());
+    let others = (0..plant.len()).filter(|&v| v != root).map(|v| lengths[v]);
+    let longest = others.fold(0.0, f64::max);
+    (longest > 0.0 && lengths[root] > USUAL * longest).then(|| {
+        format!(
+            "the segment of the root, node {root}, is {:.3} m long, and no other more than \
+             {longest:.3} m: it begins at the origin",
+            lengths[root]
+        )
+    })
 }
 
 fn header(lines: &mut Lines<'_>, keyword: &str) -> Result<usize> {

@@ -9,19 +9,21 @@ use catamaran::base::Result;
 /// The type of nodes on leaves: "custom" in the format.
 const LEAF: usize = 7;
 
-pub(super) fn read(lines: &mut Lines<'_>) -> Result<Plant> {
+pub(super) fn read(lines: &mut Lines<'_>, [length, thickness]: [f64; 2]) -> Result<Plant> {
     let (mut segments, mut parents) = (Vec::new(), Vec::new());
     let mut numbers = HashMap::new();
     while let Some(line) = lines.next()? {
-        if line.starts_with('#') {
+        let text = line.split('#').next().unwrap_or_default();
+        if text.is_empty() {
             continue;
         }
-        let mut words = line.split_whitespace();
+        // Columns after the parent are extensions, and not read.
+        let mut words = text.split_whitespace();
         let id = lines.count("id", words.next())?;
         let kind = lines.count("type", words.next())?;
-        let mut number = |what| lines.number(what, words.next());
-        let tail = [number("x")?, number("y")?, number("z")?];
-        let mut segment = Segment::stem(tail, number("radius")?);
+        let tail = lines.point(&mut words, length)?;
+        let radius = thickness * lines.number("radius", words.next())?;
+        let mut segment = Segment::stem(tail, radius);
         segment.leaf = kind == LEAF;
         let parent = match words.next() {
             Some("-1") => None,

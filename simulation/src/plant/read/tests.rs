@@ -32,6 +32,22 @@ fn the_reference_format_is_read() {
     );
     refusal("verts 0\nedges 0\n", at, "must have 1 to 2^32 - 2 nodes, has 0");
     refusal("verts 1\n0,0,0,1,1,0\nedges 0\n0,0\n", at, "more than the announced 0 edges");
+    // A decimal comma shifts the numbers after it.
+    refusal(
+        "verts 1\n0,0,0,1,5,0,002,1\nedges 0\n",
+        at,
+        "plant.txt:2: fixed: must be 0 or 1, is 2",
+    );
+    refusal("verts 1\n0,0,0,1,5,0,0,02\nedges 0\n", at, "plant.txt:2: \"02\" is one too many");
+    refusal("verts 1\n0,0,0,1,.1,2\nedges 0\n", at, "on_leaf: must be 0 or 1, is 2");
+    refusal("verts 1\n0,0,0,1,.1,1,.7\nedges 0\n", at, "fixed: must be 0 or 1, is 0.7");
+    let two = "verts 2\n0,0,0,1,.1,0\n1,0,0,2,.1,1\nedges 1\n";
+    refusal(&format!("{two}0,1,2\n"), at, "plant.txt:5: \"2\" is one too many");
+    // The segment of the root begins at the origin, however far it is.
+    let notes = |text: &str| read_bytes(text.as_bytes(), at).unwrap().notes().join("; ");
+    let away = "verts 2\n0,30,40,0,.1,0\n1,30,40,1,.1,1\nedges 1\n0,1\n";
+    assert!(notes(away).contains("node 0, is 50.000 m long, and no other more than 1.000 m"));
+    assert_eq!(notes(&away.replace("30,40", "3,4")), "");
 }
 
 #[test]
@@ -45,6 +61,38 @@ fn swc_is_read() {
         "plant.swc:2: node 1 occurs twice",
     );
     refusal("1 3 0 0 0 1 -1\n2 3 0 0 1 1 -1\n", PlantFormat::Swc, "node 1: is isolated");
+    // Comments after the numbers, and columns of extensions.
+    let text = "5 3 0 0 .1 .002 -1 # base\n9 3 0 0 .2 .002 5 1 0\n7 7 .1 0 .2 .002 5\n";
+    is_the_little_plant(&read_bytes(text.as_bytes(), PlantFormat::Swc).unwrap());
+}
+
+#[test]
+fn every_format_is_read_in_its_units_and_notes_what_is_no_plant_in_metres() {
+    let folder = tempfile::tempdir().unwrap();
+    let texts = [
+        ("a.txt", "verts 2\n0,0,0,10,.2,0\n1,0,0,20,.2,0\nedges 1\n1,0\n"),
+        ("a.swc", "1 3 0 0 10 .2 -1\n2 3 0 0 20 .2 1\n"),
+        ("a.obj", "v 0 0 10 .2\nv 0 0 20 .2\nl 1 2\n"),
+        ("a.mtg", "MTG:\nTOPO\tXX\tYY\tZZ\tRadius\n/P1\n^/E1\t0\t0\t10\t.2\n^<E2\t0\t0\t20\t.2\n"),
+    ];
+    for (name, text) in texts {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        let within = |unit: [f64; 2]| read_with(&path, &ReadOptions::new().unit(unit)).unwrap();
+        let plant = within([0.01, 0.001]);
+        assert_near(&[plant.segments()[1].tail[2], plant.segments()[1].radius], &[0.2, 2e-4]);
+        assert_near(&plant.lengths()[1..], &[0.1]);
+        let notes = |unit: f64| within([unit, 1.0]).notes().join("; ");
+        assert!(!notes(1.0).contains("spans"), "{name}: {}", notes(1.0));
+        assert!(notes(100.0).contains("00 metres, more than any tree"), "{name}: {}", notes(100.0));
+        let wrong = read_with(&path, &ReadOptions::new().unit([1.0, 0.0])).unwrap_err();
+        assert!(wrong.to_string().starts_with("unit: must be"), "{wrong}");
+    }
+    // The default radius of a vertex is 1 mm in every unit.
+    let path = folder.path().join("a.obj");
+    std::fs::write(&path, "v 0 0 10\nv 0 0 20\nl 1 2\n").unwrap();
+    let plant = read_with(&path, &ReadOptions::new().unit([0.01, 0.01])).unwrap();
+    assert_eq!(plant.segments()[1].radius, 1e-3);
 }
 
 #[test]
@@ -79,6 +127,15 @@ fn mtg(features: &str, rows: &str) -> String {
 
 fn plant_of(features: &str, rows: &str) -> Plant {
     read_bytes(mtg(features, rows).as_bytes(), PlantFormat::Mtg).unwrap()
+}
+
+/// Returns the plant of an MTG in other units than metres.
+fn in_units(features: &str, rows: &str, unit: [f64; 2]) -> Plant {
+    let bytes = mtg(features, rows);
+    let path = Path::new("plant.mtg");
+    let source = Source::of_bytes(path, bytes.as_bytes());
+    let options = ReadOptions::new().unit(unit);
+    read_source(source, PlantFormat::Mtg, path, &options).unwrap()
 }
 
 fn parents(plant: &Plant) -> Vec<Option<usize>> {
@@ -156,8 +213,8 @@ fn an_mtg_without_diameters_has_slender_segments_and_a_note() {
     assert_eq!((plant.len(), plant.base()), (2, [0.0; 3]));
     assert!(plant.segments().iter().all(|s| s.radius == 0.1));
     assert!(plant.notes().iter().any(|note| note.contains("no diameters")));
-    // They have the unit of the lengths.
-    let plant = plant.scaled(0.01, 0.001).unwrap();
+    // The unit of lengths is theirs, too.
+    let plant = in_units("XX\tYY\tZZ", rows, [0.01, 0.001]);
     assert!(plant.segments().iter().all(|s| (s.radius - 0.001).abs() < 1e-15));
     let rows = "/P1/A1/U1/E1\t\t\t0\t0\t1\t.2\n^<E2\t\t\t0\t0\t200\n";
     let plant = plant_of(POINTS, rows);
@@ -166,7 +223,7 @@ fn an_mtg_without_diameters_has_slender_segments_and_a_note() {
     assert!(notes.contains("1 of 2 segments have no diameter"), "{notes}");
     // The base is as far below E1 as E2 is above it.
     assert!(notes.contains("spans 398 metres"), "{notes}");
-    let notes = |unit: f64| plant.clone().scaled(unit, unit).unwrap().notes().join("; ");
+    let notes = |unit: f64| in_units(POINTS, rows, [unit; 2]).notes().join("; ");
     assert!(!notes(0.1).contains("spans"), "{}", notes(0.1));
     assert!(notes(2.0).contains("spans 796 metres"), "{}", notes(2.0));
 }
@@ -177,7 +234,7 @@ fn one_of_several_plants_of_an_mtg_is_read_by_its_name() {
     let path = folder.path().join("plants.mtg");
     let rows = "/P1/A1/U1/E1\t\t\t1\n^<E2\t\t\t2\n/P7/A1/U1/E1\t\t\t3\n/P8/A1/U1/E1\t\t\t4\n";
     std::fs::write(&path, mtg("Length", rows)).unwrap();
-    let named = |name| read_individual(&path, name, &SourceOptions::new());
+    let named = |name| read_with(&path, &ReadOptions::new().individual(name));
     assert_near(named("P1").unwrap().lengths(), &[1.0, 2.0]);
     assert_near(named("P7").unwrap().lengths(), &[3.0]);
     assert_near(named("P8").unwrap().lengths(), &[4.0]);
@@ -186,7 +243,7 @@ fn one_of_several_plants_of_an_mtg_is_read_by_its_name() {
     std::fs::write(&path, mtg("Length", "/P1/A1/U1/E1\t\t\t1\n")).unwrap();
     let error = named("P2").unwrap_err().to_string();
     assert!(error.contains("has 1 plant (P1): \"P2\" is not one"), "{error}");
-    let other = read_individual(Path::new("plant.swc"), "P1", &SourceOptions::new());
+    let other = read_with(Path::new("plant.swc"), &ReadOptions::new().individual("P1"));
     assert!(other.unwrap_err().to_string().contains("only .mtg files have names"));
 }
 
@@ -211,6 +268,14 @@ fn an_mtg_that_is_not_one_plant_with_a_shape_is_refused() {
     refused(POINTS, "/P1/A1/U1/E1<<E99999999\n", "components by ranges");
     refused(POINTS, "P1\n", "\"P1\" is not a chain of /, < or +");
     refused(POINTS, "/P1/A1/U1/E1\t\t\t0\tx\t1\n", "coordinate YY: \"x\" is not a finite number");
+    refused(POINTS, "/P1/A1/U1/E1\t\t\t0\t\t1\n", "E1 has no coordinate YY");
+    refused("Length\tDiam", "/P1/A1/U1/E1\t\t\t-2\t1\n", "length: must be at least 0, is -2");
+    let two = "/P1/A1/U1/E1\t\t\t1\t.1\t.5\n";
+    refused("Length\tRadius\tDiam", two, "E1 has a radius of 0.1 m, but half of its diameter is");
+    refused("Length\tDiam\tTopDia", two, "two columns of one diameter, \"diam\" and \"topdia\"");
+    refusal("MTG:\nTOPO Length\n/P1 1\n", PlantFormat::Mtg, "separated by spaces: tabs must");
+    let form = mtg("Length", "/P1/A1/U1/E1\t\t\t1\n").replace("FORM-A", "FORM-B");
+    refusal(&form, PlantFormat::Mtg, "FORM-B: only FORM-A");
 }
 
 #[test]
@@ -222,6 +287,10 @@ fn polylines_of_obj_are_read() {
     refusal("v 0 0 0\nv 0 0 1\nl 1 3\n", PlantFormat::Obj, "plant.obj:3: \"3\" is none of the 2");
     refusal("v 0 0 0\n", PlantFormat::Obj, "no line (`l`)");
     refusal("v 0 0 0\nf 1 1 1\n", PlantFormat::Obj, "a face");
+    // Colours are no radii.
+    let colored = "v 0 0 0 1 0 0\nv 0 0 1 1 0 0\nl 1 2\n";
+    refusal(colored, PlantFormat::Obj, "plant.obj:1: \"0\" is one too many");
+    refusal("v 0 0 0\nv 0 0 1\nl 1\n", PlantFormat::Obj, "fewer than two vertices");
 }
 
 #[test]

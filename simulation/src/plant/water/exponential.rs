@@ -5,7 +5,7 @@ use faer::c64;
 
 use super::diffusion::WaterModel;
 use super::elimination::{Factor, Order};
-use catamaran::base::{Par, Progress, Result, at_least_zero, reserved};
+use catamaran::base::{Error, Par, Progress, Result, at_least_zero, reserved};
 
 /// A rational approximation of the exponential on the negative axis, as the real part of partial
 /// fractions: `constant + sum of 2 Re(c / (x - z))`.
@@ -141,6 +141,7 @@ impl WaterModel {
         progress: Progress<'_>,
     ) -> Result<Vec<f64>> {
         at_least_zero("seconds", seconds)?;
+        self.check_seconds(seconds)?;
         let mut relative = self.relative_by_positions(water)?;
         if seconds > 0.0 {
             let mut workspace = Workspace::new(&self.order)?;
@@ -151,6 +152,27 @@ impl WaterModel {
             }
         }
         Ok(self.water_by_nodes(&relative))
+    }
+
+    /// Checks that the arithmetic of [`Rational::apply`] does not overflow in this time.
+    ///
+    /// # Errors
+    /// [`Error::Argument`](catamaran::Error::Argument) names the time.
+    pub(super) fn check_seconds(&self, seconds: f64) -> Result<()> {
+        /// The most water, in kg, that may pass in this time if all cells were empty: complex
+        /// divisions square it.
+        const MOST: f64 = 1e100;
+        let lost = self.losses.iter().zip(&self.full).map(|(loss, full)| loss * full);
+        let fastest = self.exchange.iter().copied().chain(lost).fold(self.intake, f64::max);
+        if fastest * seconds <= MOST {
+            return Ok(());
+        }
+        let why = format!(
+            "must be at most {:e} with the fastest conductance or loss, {fastest:e} kg/s; is \
+             {seconds:e}",
+            MOST / fastest
+        );
+        Err(Error::Argument { what: "seconds", why })
     }
 
     /// Returns the number of steps of a time, none of which loses too much.

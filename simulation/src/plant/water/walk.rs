@@ -190,6 +190,7 @@ impl<'a> Walk<'a> {
         let mut solver = solver;
         match &mut solver {
             Solver::Rational(workspace) => {
+                self.model.check_seconds(seconds)?;
                 let steps = self.model.substeps(seconds);
                 for _ in 0..steps {
                     let step = seconds / steps as f64;

@@ -30,7 +30,7 @@ mod volume;
 pub use convergence::Gradient;
 pub use inlay::Inlay;
 pub use options::NewtonOptions;
-pub use palette::{darkened, root_color};
+pub use palette::{UNREACHED_COLOR, darkened, root_color};
 pub use points::{Grid, Points};
 pub use polynomial::Polynomial;
 pub use texels::{Texels, texels};
@@ -52,9 +52,9 @@ pub struct Fractal {
     pub roots: Vec<u16>,
     /// t of [`Gradient`].
     pub convergence: Vec<f32>,
-    /// Number of points that reach no root within the iterations; their root is the one nearest to
-    /// where they are then.
-    pub unreached: usize,
+    /// Indices of the points that reach no root within the iterations, ascending; their root is
+    /// the one nearest to where they are then.
+    pub unreached: Vec<u32>,
 }
 
 /// Newton's method for a bicomplex polynomial (thesis, chapter 7), with its parameters prepared.
@@ -68,6 +68,7 @@ pub struct Fractal {
 /// let fractal = newton.evaluate(Points::Grid(plane), Par::all(), Progress::none())?;
 /// assert_eq!(fractal.roots.len(), 32 * 32);
 /// assert!(fractal.roots.iter().all(|&root| root < 9));
+/// assert!(fractal.unreached.is_empty());
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -128,7 +129,8 @@ impl Newton {
             // The remaining blocks check the state of the tracker.
             let _ = tracker.add(1.0);
         });
-        tracker.finish().map(|()| fractal.counted())
+        tracker.finish()?;
+        fractal.marked()
     }
 }
 
@@ -138,16 +140,22 @@ impl Fractal {
         let bytes = len as f64 * (size_of::<u16>() + size_of::<f32>()) as f64;
         check_request("points", format_args!("{len} points"), bytes)?;
         let (roots, convergence) = (reserved(len)?, reserved(len)?);
-        let mut fractal = Self { roots, convergence, unreached: 0 };
+        let mut fractal = Self { roots, convergence, unreached: vec![] };
         fractal.roots.resize(len, 0);
         fractal.convergence.resize(len, 0.0);
         Ok(fractal)
     }
 
-    /// Counts the points that reach no root, and removes their marks.
-    pub(crate) fn counted(mut self) -> Self {
-        self.unreached = self.roots.iter().filter(|root| **root & iterate::UNREACHED != 0).count();
-        self.roots.iter_mut().for_each(|root| *root &= !iterate::UNREACHED);
-        self
+    /// Lists the points that reach no root, and removes their marks.
+    pub(crate) fn marked(mut self) -> Result<Self> {
+        let is_marked = |root: &u16| root & iterate::UNREACHED != 0;
+        self.unreached = reserved(self.roots.iter().filter(|root| is_marked(root)).count())?;
+        // There are fewer than 2^31 points.
+        let numbers = (0_u32..).zip(&mut self.roots).filter(|(_, root)| is_marked(root));
+        self.unreached.extend(numbers.map(|(i, root)| {
+            *root &= !iterate::UNREACHED;
+            i
+        }));
+        Ok(self)
     }
 }

@@ -1,5 +1,15 @@
 //! Colours of roots.
 
+/// The colour of points that reach no root ([`Fractal::unreached`](super::Fractal::unreached)),
+/// which no root has, however slowly a point reaches it: black.
+///
+/// ```
+/// use catamaran_simulation::texture::newton::{UNREACHED_COLOR, darkened, root_color};
+///
+/// assert!((0..9).all(|root| darkened(root_color(root, 3), 1.0) != UNREACHED_COLOR));
+/// ```
+pub const UNREACHED_COLOR: [u8; 3] = [0; 3];
+
 /// Returns the colour (red, green, blue on screens) of root `root` of a polynomial with `roots`
 /// roots in C: the hue represents the first number of the pair, a shift of hue and the brightness
 /// the second. Neighbours among the `roots`^2 colours can be distinguished up to some 8 roots.

@@ -1,6 +1,6 @@
 use faer::{Mat, c64};
 
-use catamaran::base::{Error, Result};
+use catamaran::base::{Error, Result, Sets};
 
 /// The polynomial of a fractal.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,8 +27,9 @@ impl Polynomial {
 
     /// Creates the polynomial `c[0] z^n + c[1] z^(n - 1) + ... + c[n]`, where each c is a real and
     /// an imaginary part, in the order of numpy. Its roots are ordered by real, then by imaginary
-    /// part. They are the eigenvalues of the companion matrix, improved by Newton's method. Simple
-    /// roots have about the precision of f64; an m-fold root has about 1/m of its digits.
+    /// part. They are the eigenvalues of the companion matrix, improved by Newton's method. Roots
+    /// that make the same polynomial, to within rounding, when they coincide are equal: the
+    /// eigenvalues of (z - 1)^5 are five numbers around 1.
     ///
     /// ```
     /// use catamaran_simulation::texture::newton::Polynomial;
@@ -70,14 +71,91 @@ impl Polynomial {
         let Some(found) = eigenvalues.flatten() else {
             return refuse("the coefficients are too far apart to find the roots".into());
         };
-        let mut roots: Vec<[f64; 2]> = found
-            .into_iter()
-            .map(|root| improved(&coefficients, root))
-            .map(|root| [root.re, root.im])
-            .collect();
+        let found = merged(&coefficients, &found)
+            .unwrap_or_else(|| found.iter().map(|root| improved(&coefficients, *root)).collect());
+        let mut roots: Vec<[f64; 2]> = found.iter().map(|root| [root.re, root.im]).collect();
         roots.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
         Ok(Self::Roots(roots))
     }
+}
+
+/// Returns the roots with multiple roots in place of the eigenvalues around them, which would have
+/// a basin each; `None` if there are no multiple roots. Eigenvalues are one root if the polynomial
+/// of that root has the given coefficients.
+fn merged(coefficients: &[c64], eigenvalues: &[c64]) -> Option<Vec<c64>> {
+    /// The largest and the smallest distance to the next eigenvalue of a multiple root, as parts
+    /// of the size of the largest one.
+    /// The largest and the smallest distance between neighbours around a multiple root, as parts of
+    /// the size of the largest root.
+    const FARTHEST: f64 = 0.3;
+    const NEAREST: f64 = 1e-9;
+    let size = eigenvalues.iter().map(|root| root.norm()).fold(0.0, f64::max);
+    let mut distance = FARTHEST * size;
+    while distance > NEAREST * size {
+        let groups = within(eigenvalues, distance);
+        let multiple = groups.iter().enumerate().any(|(i, group)| i != *group as usize);
+        let roots: Vec<c64> =
+            groups.iter().map(|g| center(coefficients, eigenvalues, &groups, *g)).collect();
+        if multiple && has_roots(coefficients, &roots) {
+            return Some(roots);
+        }
+        distance *= 0.5;
+    }
+    None
+}
+
+/// Returns a number for each eigenvalue, equal for those that a path of others connects, in steps
+/// of at most `distance`.
+fn within(eigenvalues: &[c64], distance: f64) -> Vec<u32> {
+    let count = eigenvalues.len();
+    let mut sets = Sets::new(count);
+    for i in 0..count {
+        for j in 0..i {
+            if (eigenvalues[i] - eigenvalues[j]).norm() <= distance {
+                sets.join(i as u32, j as u32);
+            }
+        }
+    }
+    (0..count as u32).map(|i| sets.find(i)).collect()
+}
+
+/// Returns the m-fold root that a group of m eigenvalues surrounds: the simple root of derivative
+/// m - 1 that is near their mean.
+fn center(coefficients: &[c64], eigenvalues: &[c64], groups: &[u32], group: u32) -> c64 {
+    let members = eigenvalues.iter().zip(groups).filter(|(_, other)| **other == group);
+    let (mut sum, mut count, mut derivative) = (c64::new(0.0, 0.0), 0.0, coefficients.to_vec());
+    for (root, _) in members {
+        if count > 0.0 {
+            derivative.pop();
+            let degree = derivative.len();
+            for (i, c) in derivative.iter_mut().enumerate() {
+                *c *= (degree - i) as f64;
+            }
+        }
+        sum += *root;
+        count += 1.0;
+    }
+    improved(&derivative, sum * (1.0 / count))
+}
+
+/// Returns whether a polynomial with these roots, and the first of these coefficients, has the
+/// others, too.
+fn has_roots(coefficients: &[c64], roots: &[c64]) -> bool {
+    /// Rounding errors of a coefficient, relative to the sum of the sizes of its terms.
+    const ROUNDING: f64 = 1e-13;
+    let mut product = vec![coefficients[0]];
+    let mut sizes = vec![coefficients[0].norm()];
+    for root in roots {
+        product.push(c64::new(0.0, 0.0));
+        sizes.push(0.0);
+        for i in (1..product.len()).rev() {
+            let (before, size) = (product[i - 1], sizes[i - 1]);
+            product[i] -= *root * before;
+            sizes[i] += root.norm() * size;
+        }
+    }
+    let mut all = product.iter().zip(coefficients).zip(&sizes);
+    all.all(|((found, given), size)| (*found - *given).norm() <= ROUNDING * size)
 }
 
 /// Returns the root after steps of Newton's method that reduce the value of the polynomial.
@@ -154,6 +232,34 @@ mod tests {
         let triple = product(&[[0.5, 0.0]; 3], c64::new(1.0, 0.0));
         assert!(roots(&triple).iter().all(|[re, im]| (re - 0.5).hypot(*im) < 1e-4));
         assert_eq!(roots(&[[1.0, 0.0], [0.0, 0.0], [0.0, 0.0]]), [[0.0, 0.0]; 2]);
+    }
+
+    #[test]
+    fn multiple_roots_are_equal_and_near_roots_are_not() {
+        let one = c64::new(1.0, 0.0);
+        let distinct = |wanted: &[[f64; 2]]| {
+            let mut found = roots(&product(wanted, c64::new(2.0, 1.0)));
+            let near = |root: &[f64; 2]| {
+                wanted.iter().any(|[re, im]| (root[0] - re).hypot(root[1] - im) < 1e-9)
+            };
+            assert!(found.len() == wanted.len() && found.iter().all(near), "{found:?}");
+            found.dedup();
+            found.len()
+        };
+        let [a, b] = [[1.0, 0.0], [-1.0, 0.0]];
+        assert_eq!(distinct(&[a; 2]), 1);
+        assert_eq!(distinct(&[a; 20]), 1);
+        assert_eq!(distinct(&[a, a, a, b, b]), 2);
+        assert_eq!(distinct(&[[0.0, 1.0], [0.0, 1.0], [0.0, -1.0], [0.5, 0.0]]), 3);
+        assert_eq!(distinct(&[a, [1.001, 0.0]]), 2);
+        assert_eq!(distinct(&[a, [1.00001, 0.0]]), 2);
+        let unity: Vec<[f64; 2]> = (0..16)
+            .map(|k| (std::f64::consts::PI * f64::from(k) / 8.0).sin_cos())
+            .map(|(sin, cos)| [cos, sin])
+            .collect();
+        assert_eq!(distinct(&unity), 16);
+        // (z - 1)^2 as written: both roots are exactly 1.
+        assert_eq!(roots(&product(&[a; 2], one)), [a; 2]);
     }
 
     #[test]

@@ -157,6 +157,30 @@ fn water_never_goes_below_zero_by_more_than_rounding() {
 }
 
 #[test]
+fn times_conductances_and_losses_that_overflow_are_refused() {
+    // Nothing is left after the largest time that is accepted.
+    let (_, _, model) = grown(20, 1e-9);
+    let full = model.full();
+    let left = model.water_after(&full, 1e90, Par::Seq).unwrap();
+    assert!(left.iter().zip(&full).all(|(x, m)| x.abs() < 1e-12 * m));
+    let says = |model: &WaterModel, seconds: f64| {
+        let single = model.water_after(&full, seconds, Par::Seq).unwrap_err().to_string();
+        let curve = water_curve(model, &full, &[0.0, seconds], &CurveOptions::new());
+        for refused in [single, curve.unwrap_err().to_string()] {
+            assert!(refused.starts_with("seconds: must be at most"), "{refused}");
+        }
+    };
+    says(&model, 1e160);
+    says(&grown(20, 1e200).2, 3600.0);
+    let mut model = model;
+    model.set_loss(1e200).unwrap();
+    says(&model, 3600.0);
+    model.set_loss(0.0).unwrap();
+    model.weaken(3, 1e200).unwrap();
+    says(&model, 3600.0);
+}
+
+#[test]
 fn threads_change_no_bit() {
     let (_, _, model) = grown(40_000, 1e-7);
     let full = model.full();

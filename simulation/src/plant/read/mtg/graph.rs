@@ -10,12 +10,12 @@ use catamaran::base::Result;
 const MOST: usize = 1 << 20;
 
 /// The features that are read: what errors call them, the names of their columns in lower case, and
-/// the factor from a number of the column to the feature.
+/// the factor from a number of the column to the feature, which also has its unit.
 const FEATURES: [(&str, &[&str], f64); 9] = [
     ("coordinate XX", &["xx", "x"], 1.0),
     ("coordinate YY", &["yy", "y"], 1.0),
     ("coordinate ZZ", &["zz", "z"], 1.0),
-    ("length", &["length", "longueur", "long"], 1.0),
+    ("length", &["length", "longueur", "long", "len"], 1.0),
     ("radius", &["radius"], 1.0),
     ("diameter", &["diameter", "diam", "topdia", "topdiameter", "diasom"], 0.5),
     ("diameter at the base", &["bottomdia", "bottomdiameter", "botdia", "diabase"], 0.5),
@@ -28,6 +28,10 @@ const TOP: usize = 5;
 pub(super) const BASE: usize = 6;
 pub(super) const INSERTION: usize = 7;
 pub(super) const AZIMUTH: usize = 8;
+
+/// The largest difference of a radius and half of a diameter of one component, as a part of the
+/// radius: that of rounded numbers.
+const TWO_RADII: f64 = 0.01;
 
 /// A component of the plant, at any scale.
 pub(super) struct Component {
@@ -71,16 +75,17 @@ pub(super) struct Graph {
     pub scales: HashMap<String, usize>,
     /// The names of all columns, in lower case.
     pub names: Vec<String>,
-    /// The column of each of [`FEATURES`].
-    pub columns: [Option<usize>; FEATURES.len()],
+    /// The column of each of [`FEATURES`], and the factor of its numbers.
+    pub columns: [(Option<usize>, f64); FEATURES.len()],
     /// The last component in each column of the code.
     pub last: Vec<Option<usize>>,
     /// The components that begin a plant.
     pub plants: Vec<usize>,
 }
 
-/// Reads up to the line of column names after `MTG:`.
-pub(super) fn header(lines: &mut Lines<'_>) -> Result<Graph> {
+/// Reads up to the line of column names after `MTG:`. `unit` has the metres in a unit of lengths,
+/// and in one of diameters.
+pub(super) fn header(lines: &mut Lines<'_>, unit: [f64; 2]) -> Result<Graph> {
     let mut scales = HashMap::new();
     let mut classes = false;
     loop {
@@ -91,6 +96,9 @@ pub(super) fn header(lines: &mut Lines<'_>) -> Result<Graph> {
         let first = words.next().unwrap_or_default();
         if first.starts_with("MTG") {
             break;
+        }
+        if first.starts_with("CODE") && line.contains("FORM-B") {
+            return Err(lines.fail("the code is FORM-B: only FORM-A is read"));
         }
         if first.starts_with("CLASSES") {
             classes = true;
@@ -105,11 +113,26 @@ pub(super) fn header(lines: &mut Lines<'_>) -> Result<Graph> {
     };
     let names: Vec<String> =
         line.split('\t').map(|name| name.trim().to_ascii_lowercase()).collect();
-    // Of several names the first that exists counts.
-    let column = |known: &[&str]| {
-        known.iter().find_map(|&known| names.iter().position(|name| name == known))
-    };
-    let columns = FEATURES.map(|(_, known, _)| column(known));
+    if names.len() < 2 && names[0].contains(char::is_whitespace) {
+        let what = "the columns are separated by spaces: tabs must separate them";
+        return Err(lines.fail(what));
+    }
+    let mut columns = [(None, 1.0); FEATURES.len()];
+    for (kind, (what, known, factor)) in FEATURES.into_iter().enumerate() {
+        let found = (0..names.len()).filter(|&i| known.contains(&names[i].as_str()));
+        let found: Vec<usize> = found.collect();
+        if let [first, second, ..] = found[..] {
+            let (first, second) = (&names[first], &names[second]);
+            let what = format!("two columns of one {what}, {first:?} and {second:?}: remove one");
+            return Err(lines.fail(what));
+        }
+        let unit = match kind {
+            ..=LENGTH => unit[0],
+            RADIUS..=BASE => unit[1],
+            _ => 1.0,
+        };
+        columns[kind] = (found.first().copied(), factor * unit);
+    }
     // The code takes the columns up to the first name after ENTITY-CODE or TOPO.
     let code = (1..names.len()).find(|&i| !names[i].is_empty()).unwrap_or(names.len());
     let (last, components, plants) = (vec![None; code], Vec::new(), Vec::new());
@@ -134,13 +157,32 @@ impl Graph {
             ("*", Some(v)) => v,
             _ => self.code(lines, rest, before, same)?,
         };
-        for (kind, column) in self.columns.iter().enumerate() {
+        for (kind, &(column, factor)) in self.columns.iter().enumerate() {
             let cell = column.and_then(|column| cells.get(column)).filter(|cell| !cell.is_empty());
             if let Some(&cell) = cell {
-                let (what, _, factor) = FEATURES[kind];
+                let what = FEATURES[kind].0;
                 let number = factor * lines.number(what, Some(cell))?;
+                if kind == LENGTH && number < 0.0 {
+                    return Err(lines.fail(format!("{what}: must be at least 0, is {cell}")));
+                }
                 self.components[v].features[kind] = Some(number);
             }
+        }
+        let component = &self.components[v];
+        let missing = (0..LENGTH).filter(|&kind| component.features[kind].is_none());
+        let missing: Vec<&str> = missing.map(|kind| FEATURES[kind].0).collect();
+        if !missing.is_empty() && missing.len() < LENGTH {
+            let what = format!("{} has no {}", component.name(), missing.join(" and no "));
+            return Err(lines.fail(what));
+        }
+        if let [Some(radius), Some(other)] = [RADIUS, TOP].map(|kind| component.features[kind])
+            && (radius - other).abs() > TWO_RADII * radius.abs()
+        {
+            let what = format!(
+                "{} has a radius of {radius} m, but half of its diameter is {other} m",
+                component.name()
+            );
+            return Err(lines.fail(what));
         }
         if rest != "*" {
             self.last[place] = Some(v);

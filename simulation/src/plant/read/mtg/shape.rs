@@ -141,8 +141,7 @@ pub(super) fn plant(graph: &Graph, chosen: Range<usize>, lines: &Lines<'_>) -> R
             "{missing} of {count} segments have no diameter: they take that of their bearers"
         )),
     }
-    let plant = Plant::new(segments, &parents, base)?.with_notes(notes);
-    Ok(plant.with_guessed_radii(largest <= 0.0).noting_span())
+    Ok(Plant::new(segments, &parents, base)?.with_notes(notes))
 }
 
 /// Returns why no component has a shape.
