@@ -1716,7 +1716,8 @@ cata_status cata_laplacian_areas(size_t n_vertices, const double *vertices, size
 /**
  * @defgroup distances Distances
  * Distances on a mesh: over its surface, exactly or by the heat method, and along its edges; the
- * shortest paths over faces and along edges, and geodesics that the latter shorten to.
+ * shortest paths over faces and along edges, geodesics that the latter shorten to, and geodesics
+ * from a point in a direction.
  * @code{.c}
  * double v[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, d[4], length; // a square
  * uint32_t f[] = {0, 1, 3, 1, 2, 3}, source = 0;
@@ -1737,12 +1738,18 @@ cata_status cata_laplacian_areas(size_t n_vertices, const double *vertices, size
 /** `flow`: on the faces: wrong by half and more where they are long. */
 #define CATA_FLOW_COTANGENT 2
 #define CATA_NO_VERTEX UINT32_MAX /**< Instead of a vertex: there is none. */
+#define CATA_TRACE_COMPLETE 0 /**< `end`: the geodesic has the length that was asked for. */
+#define CATA_TRACE_BOUNDARY 1 /**< `end`: it stopped at the boundary of the mesh. */
+
+/** `end`: it stopped where more than one way leads on: at an edge of more than two faces, or
+ * where the surface meets itself. */
+#define CATA_TRACE_NON_MANIFOLD 2
 
 /** A mesh, prepared for the heat method. Made by cata_heat_new; constant. */
 typedef struct cata_heat cata_heat;
 
-/** A path from one vertex to another. Made by cata_distance_path and cata_distance_path_exact;
- * constant. */
+/** A path from one point to another. Made by cata_distance_path, cata_distance_path_exact and
+ * cata_distance_trace; constant. */
 typedef struct cata_path cata_path;
 
 /** How distances are computed. */
@@ -1792,20 +1799,49 @@ cata_status cata_distance_edges(size_t n_vertices, const double *vertices, size_
  * rounding: the length of the shortest path over faces (Mitchell, Mount and Papadimitriou 1987;
  * Xin and Wang 2009), on the calling thread. Edges may have any number of faces; none may be
  * without length.
- * - `count`, `sources`: vertices.
+ * - `count`, `sources`: vertices; with `weights`, the faces of points, or CATA_IN_SPACE: the
+ *   nearest vertex.
+ * - `weights`: 3 `count` elements, read: barycentric coordinates in the faces, or x, y, z. NULL:
+ *   the sources are vertices.
  * - `distances`: n_vertices elements, written: 0 at sources, INFINITY in components without one.
  * - `params`: `progress` is used, the rest is only checked. */
 cata_status cata_distance_exact(size_t n_vertices, const double *vertices, size_t n_faces,
-    const uint32_t *faces, size_t count, const uint32_t *sources, double *distances,
-    const cata_distance_params *params);
+    const uint32_t *faces, size_t count, const uint32_t *sources, const double *weights,
+    double *distances, const cata_distance_params *params);
 
-/** Finds the shortest path over faces that leads through vertices in their order: from the first to
+/** Finds the shortest path over faces that leads through points in their order: from the first to
  * the last. Without a path, the sizes are 0, and the length is INFINITY.
- * - `count`, `through`: vertices, at least two.
+ * - `count`, `through`: vertices, at least two; with `weights`, the faces of points, or
+ *   CATA_IN_SPACE: the nearest vertex.
+ * - `weights`: 3 `count` elements, read: barycentric coordinates in the faces, or x, y, z. NULL:
+ *   the points are vertices.
  * - `params`: `progress` is used, the rest is only checked. */
 cata_status cata_distance_path_exact(size_t n_vertices, const double *vertices, size_t n_faces,
-    const uint32_t *faces, size_t count, const uint32_t *through,
+    const uint32_t *faces, size_t count, const uint32_t *through, const double *weights,
     const cata_distance_params *params, cata_path **path);
+
+/** Traces the geodesic that leaves a point in a direction, for a length: the exponential map of the
+ * surface. It is straight over faces and edges, and passes vertices with equal angles on both
+ * sides (Polthier and Schmies 1998). It stops at the boundary, and where more than one way leads
+ * on.
+ * - `start`: a vertex; with `weights`, the face of the point, or CATA_IN_SPACE: the nearest
+ *   vertex.
+ * - `weights`: 3 elements, read: barycentric coordinates in the face, or x, y, z. NULL: the start
+ *   is a vertex.
+ * - `direction`: 3 elements, read: of any length, not 0. It is projected onto the plane of the
+ *   face; at an edge or a vertex it may point out of the face. At a start that is a vertex it
+ *   stands for the nearest direction over a face.
+ * - `length`: at least 0.
+ * - `params`: `progress` is used, the rest is only checked.
+ * - `path`: the geodesic, whose length is less than `length` if it stops, and which has no
+ *   vertices; see cata_path_places for its end.
+ * - `end`: how it ends, CATA_TRACE_*. NULL where not wanted.
+ * - `heading`: 3 elements, written: the direction at its end, of length 1, in the plane of the
+ *   face of the last point. NULL where not wanted. */
+cata_status cata_distance_trace(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, uint32_t start, const double *weights, const double *direction,
+    double length, const cata_distance_params *params, cata_path **path, int32_t *end,
+    double *heading);
 
 /** Finds the shortest path along edges from one vertex to another. Without a path, all sizes are 0,
  * and the length is INFINITY.
@@ -1824,12 +1860,13 @@ cata_status cata_path_size(const cata_path *path, size_t *n_vertices, size_t *n_
 
 /** Gets a path; NULL where not wanted.
  * - `vertices`: n_vertices elements, written: those of the path along edges, both ends included;
- *   of an exact path those that it was asked to lead through.
+ *   of an exact path those that it was asked to lead through, none where it was asked for points.
  * - `points`: 3 n_points elements, written: where the path goes, the positions of `vertices`
  *   unless it is straight. */
 cata_status cata_path_get(const cata_path *path, uint32_t *vertices, double *points);
 
-/** Gets the points of a path of cata_distance_path_exact as points of faces; NULL where not wanted.
+/** Gets the points of a path of cata_distance_path_exact or cata_distance_trace as points of faces;
+ * NULL where not wanted.
  * - `faces`: n_points elements, written.
  * - `weights`: 3 n_points elements, written: barycentric coordinates at the corners of faces. */
 cata_status cata_path_places(const cata_path *path, uint32_t *faces, double *weights);

@@ -170,8 +170,9 @@ absent! { "chapters":
     fn cata_heat_free(heat: *mut c_void);
     fn cata_heat_distances(heat: *const c_void, count: usize, sources: *const u32, distances: *mut f64) -> cata_status;
     fn cata_distance_edges(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, count: usize, sources: *const u32, distances: *mut f64, nearest: *mut u32, before: *mut u32, params: *const c_void) -> cata_status;
-    fn cata_distance_exact(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, count: usize, sources: *const u32, distances: *mut f64, params: *const c_void) -> cata_status;
-    fn cata_distance_path_exact(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, count: usize, through: *const u32, params: *const c_void, path: *mut *mut c_void) -> cata_status;
+    fn cata_distance_exact(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, count: usize, sources: *const u32, weights: *const f64, distances: *mut f64, params: *const c_void) -> cata_status;
+    fn cata_distance_path_exact(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, count: usize, through: *const u32, weights: *const f64, params: *const c_void, path: *mut *mut c_void) -> cata_status;
+    fn cata_distance_trace(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, start: u32, weights: *const f64, direction: *const f64, length: f64, params: *const c_void, path: *mut *mut c_void, end: *mut i32, heading: *mut f64) -> cata_status;
     fn cata_distance_path(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, from: u32, to: u32, straight: i32, params: *const c_void, path: *mut *mut c_void) -> cata_status;
     fn cata_path_size(path: *const c_void, n_vertices: *mut usize, n_points: *mut usize, length: *mut f64) -> cata_status;
     fn cata_path_get(path: *const c_void, vertices: *mut u32, points: *mut f64) -> cata_status;
