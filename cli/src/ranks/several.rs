@@ -27,6 +27,9 @@ const PATIENCE_TO_SAVE: Duration = Duration::from_secs(600);
 /// How long a process waits to be ended by another one that has aborted the job.
 const PATIENCE_TO_END: Duration = Duration::from_secs(5);
 
+/// How much later than the process that has failed the others end: `mpirun` names the first one.
+const PATIENCE_TO_NAME: Duration = Duration::from_millis(200);
+
 /// This process and its rank; the only process without a launcher.
 pub struct Ranks {
     mpi: Option<Several>,
@@ -55,7 +58,7 @@ impl Ranks {
         let Some(launch) = Launch::of_process().filter(Launch::may_be_several) else {
             return Ok(Self { mpi: None });
         };
-        let start = mpi::initialize_with_threading(mpi::Threading::Funneled);
+        let start = signals::kept(|| mpi::initialize_with_threading(mpi::Threading::Funneled));
         let (universe, _) = start.context("MPI is initialized already")?;
         let world = World::new(&universe.world())?;
         said_by_one(&launch, launch.check(world.size(), &mpi_version()))?;
@@ -271,6 +274,11 @@ impl Ranks {
         }
         if mpi.agreed.get() {
             let status = if signals::check().is_err() { signals::status() } else { 1 };
+            let is_other = error.is::<Said>();
+            drop(self);
+            if is_other {
+                thread::sleep(PATIENCE_TO_NAME);
+            }
             return Err(Said { status }.into());
         }
         mpi.notices.send(Notice::Failed);

@@ -29,6 +29,8 @@ fn launcher_of_mpi(folder: &Folder) -> Command {
     for name in ["ALLOW_RUN_AS_ROOT", "ALLOW_RUN_AS_ROOT_CONFIRM", "MCA_rmaps_base_oversubscribe"] {
         command.env(format!("OMPI_{name}"), "1");
     }
+    // hwloc's plugin for OpenCL may load LLVM, which takes SIGUSR1 from Open MPI's mpirun.
+    command.env("HWLOC_COMPONENTS", "-opencl");
     command
 }
 
