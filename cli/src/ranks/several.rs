@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
 use catamaran::base::available_memory;
@@ -14,11 +14,12 @@ use mpi::collective::SystemOperation;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::{Communicator, CommunicatorCollectives, Root};
 
-use super::notices::{Notice, Notices, wait_on};
+use super::notices::{Notice, Notices, POLL, wait_on};
 use super::{Crowd, Said, Scalar, said_by_one};
 use crate::{report, shortage, signals};
 
-/// How long a process that was told to stop waits for the others, unless sums are being saved.
+/// How long a process that was told to stop waits for the others, unless sums are being saved, and
+/// one that fails for those before it.
 const PATIENCE: Duration = Duration::from_millis(300);
 
 /// How long it waits while others save their sums. Each ends on its own, or is killed.
@@ -267,14 +268,14 @@ impl Ranks {
         if is_cancelled && !mpi.agreed.get() {
             mpi.end_all_cancelled();
         }
-        match error.is::<Said>() {
-            true => {}
-            false if is_cancelled => report::complain(format_args!("cancelled")),
-            false => mpi.complain(&error),
-        }
         if mpi.agreed.get() {
             let status = if signals::check().is_err() { signals::status() } else { 1 };
             let is_other = error.is::<Said>();
+            match is_other {
+                true => {}
+                false if is_cancelled => report::complain(format_args!("cancelled")),
+                false => mpi.complain(&error),
+            }
             drop(self);
             if is_other {
                 thread::sleep(PATIENCE_TO_NAME);
@@ -282,6 +283,10 @@ impl Ranks {
             return Err(Said { status }.into());
         }
         mpi.notices.send(Notice::Failed);
+        match mpi.is_first_to_fail() {
+            true => mpi.complain(&error),
+            false => thread::sleep(PATIENCE_TO_END),
+        }
         mpi.comm().abort(1);
     }
 }
@@ -303,6 +308,19 @@ impl Several {
         } else {
             report::complain(format_args!("rank {}: {said}", self.world.rank()));
         }
+    }
+
+    /// Returns whether no process before this one fails at the same time, as all do over a file
+    /// that none can read.
+    fn is_first_to_fail(&self) -> bool {
+        let (start, rank) = (Instant::now(), self.world.rank());
+        while rank > 0 && start.elapsed() < PATIENCE {
+            if self.notices.has_from_before(rank, Notice::Failed) {
+                return false;
+            }
+            thread::sleep(POLL);
+        }
+        true
     }
 
     /// Ends all processes after a signal, when those that save their sums have done so. The first
