@@ -28,6 +28,9 @@ const PATIENCE_TO_SAVE: Duration = Duration::from_secs(600);
 /// How long a process waits to be ended by another one that has aborted the job.
 const PATIENCE_TO_END: Duration = Duration::from_secs(5);
 
+/// How long `MPI_Abort` may take.
+const PATIENCE_TO_ABORT: Duration = Duration::from_secs(2);
+
 /// How much later than the process that has failed the others end: `mpirun` names the first one.
 const PATIENCE_TO_NAME: Duration = Duration::from_millis(200);
 
@@ -287,7 +290,7 @@ impl Ranks {
             true => mpi.complain(&error),
             false => thread::sleep(PATIENCE_TO_END),
         }
-        mpi.comm().abort(1);
+        mpi.abort(1);
     }
 }
 
@@ -338,6 +341,17 @@ impl Several {
         } else {
             thread::sleep(PATIENCE_TO_END);
         }
-        self.comm().abort(signals::status().into());
+        self.abort(signals::status());
+    }
+
+    /// Ends all processes. `MPI_Abort` of MPICH 4.0 may wait for ever on processes that call it too,
+    /// after a signal: then the launcher ends the others, once this process has gone.
+    fn abort(&self, status: u8) -> ! {
+        thread::spawn(move || {
+            thread::sleep(PATIENCE_TO_ABORT);
+            // SAFETY: the process ends at once, and runs nothing that MPI could wait in.
+            unsafe { libc::_exit(status.into()) }
+        });
+        self.comm().abort(status.into())
     }
 }
