@@ -29,7 +29,7 @@ const PATIENCE_TO_SAVE: Duration = Duration::from_secs(600);
 const PATIENCE_TO_END: Duration = Duration::from_secs(5);
 
 /// How long `MPI_Abort` may take.
-const PATIENCE_TO_ABORT: Duration = Duration::from_secs(2);
+const PATIENCE_TO_ABORT: Duration = Duration::from_millis(500);
 
 /// How much later than the process that has failed the others end: `mpirun` names the first one.
 const PATIENCE_TO_NAME: Duration = Duration::from_millis(200);
