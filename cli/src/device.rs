@@ -8,6 +8,8 @@ use crate::info::WIDTH;
 #[cfg(feature = "opencl")]
 use crate::info::first;
 use crate::report::row;
+#[cfg(feature = "opencl")]
+use crate::signals;
 
 /// The device that does the work.
 #[derive(clap::Args)]
@@ -40,7 +42,7 @@ impl DeviceArgs {
 
 #[cfg(feature = "opencl")]
 fn opened(name: &str) -> Result<Device> {
-    Device::open(name).map_err(crate::common::as_option)
+    signals::kept(|| Device::open(name)).map_err(crate::common::as_option)
 }
 
 #[cfg(not(feature = "opencl"))]

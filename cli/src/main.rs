@@ -235,22 +235,22 @@ fn parse_command_line() -> (Cli, String) {
             let _ = io::stdout().write_all(info::long_version().as_bytes());
             std::process::exit(0);
         }
-        wrap::wrapped(error).exit()
+        ranks::leave(&wrap::wrapped(error))
     });
     if let Some(what) = stdio::refusal(&command, &matches) {
-        command.error(ErrorKind::ValueValidation, what).exit();
+        ranks::leave(&command.error(ErrorKind::ValueValidation, what));
     }
     if let Some(what) = topics::refusal(&command, &matches) {
-        command.error(ErrorKind::InvalidSubcommand, what).exit();
+        ranks::leave(&command.error(ErrorKind::InvalidSubcommand, what));
     }
     if let Some(what) = effects::missing(&matches) {
-        command.error(ErrorKind::ArgumentConflict, what).exit();
+        ranks::leave(&command.error(ErrorKind::ArgumentConflict, what));
     }
     claims::claim_inputs(&command, &matches);
     arguments::set_command(&command, &matches);
     let name = matches.subcommand_name().unwrap_or_default().to_owned();
     let cli = Cli::from_arg_matches_mut(&mut matches);
-    (cli.unwrap_or_else(|e| e.format(&mut command).exit()), name)
+    (cli.unwrap_or_else(|e| ranks::leave(&e.format(&mut command))), name)
 }
 
 fn run(command: &Command) -> Result<()> {

@@ -56,6 +56,17 @@ pub fn watch() -> io::Result<()> {
     Ok(())
 }
 
+/// Runs a function that may load libraries, after which the signals are those of this program
+/// again: LLVM, which drivers of OpenCL contain, takes SIGUSR1 and keeps it. hwloc loads such
+/// drivers, as MPI starts.
+#[cfg(any(feature = "mpi", feature = "opencl", test))]
+pub fn kept<X>(load: impl FnOnce() -> X) -> X {
+    let actions = system::Actions::now();
+    let loaded = load();
+    actions.restore();
+    loaded
+}
+
 /// Returns an error after a signal; every command calls this function regularly.
 ///
 /// # Errors
@@ -125,4 +136,24 @@ fn end(signal: i32) -> ! {
 
 fn status_of(signal: i32) -> u8 {
     128 + signal as u8
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use signal_hook::consts::SIGUSR1;
+
+    use super::*;
+
+    /// Sets what the process does after SIGUSR1, and returns what it did before.
+    fn exchange(action: libc::sighandler_t) -> libc::sighandler_t {
+        // SAFETY: no handler runs: the signal is ignored, or does what it does by default.
+        unsafe { libc::signal(SIGUSR1, action) }
+    }
+
+    #[test]
+    fn a_library_that_takes_a_signal_as_it_is_loaded_does_not_keep_it() {
+        let of_others = exchange(libc::SIG_IGN);
+        kept(|| exchange(libc::SIG_DFL));
+        assert_eq!(exchange(of_others), libc::SIG_IGN);
+    }
 }

@@ -134,17 +134,19 @@ mod system {
     }
 
     /// Returns what one group leaves. Pages of files count as used, and are given up when memory is
-    /// short.
+    /// short. In version 1, limit and use are of all groups below, and so are the pages named
+    /// `total_`; Slurm sets the limit of a job, and runs it two levels lower.
     pub fn of_group(folder: &Path, most: &str, used: &str) -> Option<u64> {
         let read = |name: &str| read_to_string(folder.join(name)).ok();
         let number = |name: &str| read(name)?.trim().parse::<u64>().ok();
         let stat = read("memory.stat").unwrap_or_default();
-        let files: u64 = stat
-            .lines()
-            .filter_map(|line| line.split_once(' '))
-            .filter(|(name, _)| matches!(*name, "inactive_file" | "active_file"))
-            .filter_map(|(_, value)| value.parse::<u64>().ok())
-            .sum();
+        let bytes = |name: &str| {
+            let mut pairs = stat.lines().filter_map(|line| line.split_once(' '));
+            pairs.find(|(other, _)| *other == name)?.1.parse::<u64>().ok()
+        };
+        let below = |all: &str, own: &str| bytes(all).or_else(|| bytes(own)).unwrap_or(0);
+        let files = below("total_inactive_file", "inactive_file")
+            .saturating_add(below("total_active_file", "active_file"));
         Some(number(most)?.saturating_sub(number(used)?.saturating_sub(files)))
     }
 
@@ -226,5 +228,19 @@ mod tests {
         assert_eq!(left(), Some(0));
         write("memory.max", "max\n");
         assert_eq!(left(), None);
+    }
+
+    #[test]
+    fn a_group_of_version_1_leaves_the_pages_of_files_of_the_groups_below_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let write =
+            |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+        write("memory.limit_in_bytes", "1000\n");
+        write("memory.usage_in_bytes", "700\n");
+        // The processes are in a group below, whose pages count here as used.
+        let below = "total_inactive_file 400\ntotal_active_file 50\n";
+        write("memory.stat", &format!("inactive_file 0\nactive_file 0\n{below}"));
+        let left = of_group(folder.path(), "memory.limit_in_bytes", "memory.usage_in_bytes");
+        assert_eq!(left, Some(750));
     }
 }

@@ -307,10 +307,10 @@ impl Work<'_> {
         self.args.memory.unwrap_or_else(|| memory::allowed(self.ranks))
     }
 
-    /// Returns the file, its shape and the memory, for the error of a shortage.
-    fn limits(&self) -> String {
+    /// Returns the file, its shape and the memory of a process, for the error of a shortage.
+    fn limits(&self, memory: usize) -> String {
         let (name, (m, n)) = (self.args.input.display(), self.a.shape());
-        let memory = self.memory() as f64 / f64::from(1 << 30);
+        let memory = memory as f64 / f64::from(1 << 30);
         format!("{name}: {m} x {n}, with {memory:.3} GiB of memory (--memory)")
     }
 
@@ -322,14 +322,15 @@ impl Work<'_> {
         options: &AtaOptions<'_>,
     ) -> Result<StreamPlan> {
         let Self { args, ranks, .. } = self;
-        let memory = ranks.least(self.memory());
+        let least = ranks.least(self.memory());
         // A process holds the sums of another one, too, when it merges them.
-        let memory = if ranks.size() > 1 { memory / 2 } else { memory };
+        let memory = if ranks.size() > 1 { least / 2 } else { least };
         let most = usize::MAX - ranks.least(usize::MAX - options.par.threads());
         let options = options.clone().par(Par::Threads(most));
         let height = args.block_rows.map(NonZeroUsize::get);
         let plan = StreamPlan::new::<T>(m, n, self.weights.is_some(), height, memory, &options);
-        let plan = plan.with_context(|| format!("{}, in blocks of --block-rows", self.limits()));
+        let plan =
+            plan.with_context(|| format!("{}, in blocks of --block-rows", self.limits(least)));
         let plan = ranks.meet(plan)?;
         let strips = plan.strips().iter();
         let hash = strips.fold(0, |hash: usize, strip| hash.wrapping_mul(31) ^ strip.end);
@@ -376,7 +377,7 @@ impl Work<'_> {
         let sum = match sum {
             Some(sum) => Ok(sum),
             None => {
-                let what = || format!("{}: C of {n} x {n} entries", self.limits());
+                let what = || format!("{}: C of {n} x {n} entries", self.limits(self.memory()));
                 self.empty(bounds.as_ref(), 0..n).with_context(what)
             }
         };

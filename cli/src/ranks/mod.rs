@@ -9,6 +9,8 @@ mod notices;
 mod several;
 
 use std::ops::Range;
+use std::thread;
+use std::time::Duration;
 
 use anyhow::Result;
 #[cfg(not(feature = "mpi"))]
@@ -24,6 +26,10 @@ pub use self::fault::Said;
 pub use self::several::Ranks;
 use crate::report::{note, status};
 
+/// How long the others wait for the process that speaks of an error of all. They may have started
+/// earlier.
+const PATIENCE_TO_SPEAK: Duration = Duration::from_secs(1);
+
 /// Refuses to run a command several times beside itself: only some share their work.
 ///
 /// # Errors
@@ -36,13 +42,28 @@ pub fn refuse(command: &str) -> Result<()> {
     said_by_one(&launch, launch.check_alone(&what))
 }
 
-/// Returns an error that all processes of a launcher have, of which one speaks. The others succeed:
-/// `mpirun` ends all when one fails, possibly before that one has spoken.
+/// Returns an error that all processes of a launcher have, of which one speaks. The others fail
+/// later: `mpirun` ends all when one fails, possibly before that one has spoken.
 fn said_by_one(launch: &Launch, checked: catamaran::Result<()>) -> Result<()> {
     match checked {
-        Err(_) if !launch.speaks() => Err(Said { status: 0 }.into()),
+        Err(_) if !launch.speaks() => {
+            thread::sleep(PATIENCE_TO_SPEAK);
+            Err(Said { status: 1 }.into())
+        }
         checked => Ok(checked?),
     }
+}
+
+/// Ends a process that prints help or has a wrong command line, as all processes of a launcher do
+/// then: the first one speaks.
+pub fn leave(said: &clap::Error) -> ! {
+    if Launch::of_process().is_some_and(|launch| launch.rank() > 0) {
+        if said.use_stderr() {
+            thread::sleep(PATIENCE_TO_SPEAK);
+        }
+        std::process::exit(said.exit_code());
+    }
+    said.exit()
 }
 
 impl Ranks {

@@ -10,7 +10,7 @@ use mpi::topology::SimpleCommunicator;
 use mpi::traits::{Communicator, CommunicatorCollectives, Destination, Source};
 
 /// The time between two looks at messages while this process waits.
-const POLL: Duration = Duration::from_millis(1);
+pub const POLL: Duration = Duration::from_millis(1);
 
 /// What a message says, by its tag.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,6 +47,13 @@ impl Notices {
     /// Returns whether there is such a message from any process.
     pub fn has(&self, notice: Notice) -> bool {
         self.0.any_process().immediate_probe_with_tag(notice as i32).is_some()
+    }
+
+    /// Returns whether there is such a message from a process of a lower rank.
+    pub fn has_from_before(&self, rank: usize, notice: Notice) -> bool {
+        (0..rank as i32).any(|rank| {
+            self.0.process_at_rank(rank).immediate_probe_with_tag(notice as i32).is_some()
+        })
     }
 
     /// Waits until all processes have called this function, but no longer than `patience`.

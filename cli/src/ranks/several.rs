@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
 use catamaran::base::available_memory;
@@ -14,11 +14,12 @@ use mpi::collective::SystemOperation;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::{Communicator, CommunicatorCollectives, Root};
 
-use super::notices::{Notice, Notices, wait_on};
+use super::notices::{Notice, Notices, POLL, wait_on};
 use super::{Crowd, Said, Scalar, said_by_one};
 use crate::{report, shortage, signals};
 
-/// How long a process that was told to stop waits for the others, unless sums are being saved.
+/// How long a process that was told to stop waits for the others, unless sums are being saved, and
+/// one that fails for those before it.
 const PATIENCE: Duration = Duration::from_millis(300);
 
 /// How long it waits while others save their sums. Each ends on its own, or is killed.
@@ -26,6 +27,12 @@ const PATIENCE_TO_SAVE: Duration = Duration::from_secs(600);
 
 /// How long a process waits to be ended by another one that has aborted the job.
 const PATIENCE_TO_END: Duration = Duration::from_secs(5);
+
+/// How long `MPI_Abort` may take.
+const PATIENCE_TO_ABORT: Duration = Duration::from_millis(500);
+
+/// How much later than the process that has failed the others end: `mpirun` names the first one.
+const PATIENCE_TO_NAME: Duration = Duration::from_millis(200);
 
 /// This process and its rank; the only process without a launcher.
 pub struct Ranks {
@@ -55,7 +62,7 @@ impl Ranks {
         let Some(launch) = Launch::of_process().filter(Launch::may_be_several) else {
             return Ok(Self { mpi: None });
         };
-        let start = mpi::initialize_with_threading(mpi::Threading::Funneled);
+        let start = signals::kept(|| mpi::initialize_with_threading(mpi::Threading::Funneled));
         let (universe, _) = start.context("MPI is initialized already")?;
         let world = World::new(&universe.world())?;
         said_by_one(&launch, launch.check(world.size(), &mpi_version()))?;
@@ -264,17 +271,26 @@ impl Ranks {
         if is_cancelled && !mpi.agreed.get() {
             mpi.end_all_cancelled();
         }
-        match error.is::<Said>() {
-            true => {}
-            false if is_cancelled => report::complain(format_args!("cancelled")),
-            false => mpi.complain(&error),
-        }
         if mpi.agreed.get() {
             let status = if signals::check().is_err() { signals::status() } else { 1 };
+            let is_other = error.is::<Said>();
+            match is_other {
+                true => {}
+                false if is_cancelled => report::complain(format_args!("cancelled")),
+                false => mpi.complain(&error),
+            }
+            drop(self);
+            if is_other {
+                thread::sleep(PATIENCE_TO_NAME);
+            }
             return Err(Said { status }.into());
         }
         mpi.notices.send(Notice::Failed);
-        mpi.comm().abort(1);
+        match mpi.is_first_to_fail() {
+            true => mpi.complain(&error),
+            false => thread::sleep(PATIENCE_TO_END),
+        }
+        mpi.abort(1);
     }
 }
 
@@ -297,6 +313,19 @@ impl Several {
         }
     }
 
+    /// Returns whether no process before this one fails at the same time, as all do over a file
+    /// that none can read.
+    fn is_first_to_fail(&self) -> bool {
+        let (start, rank) = (Instant::now(), self.world.rank());
+        while rank > 0 && start.elapsed() < PATIENCE {
+            if self.notices.has_from_before(rank, Notice::Failed) {
+                return false;
+            }
+            thread::sleep(POLL);
+        }
+        true
+    }
+
     /// Ends all processes after a signal, when those that save their sums have done so. The first
     /// one says so, unless the signal only follows from the failure of another process.
     fn end_all_cancelled(&self) -> ! {
@@ -312,6 +341,17 @@ impl Several {
         } else {
             thread::sleep(PATIENCE_TO_END);
         }
-        self.comm().abort(signals::status().into());
+        self.abort(signals::status());
+    }
+
+    /// Ends all processes. `MPI_Abort` of MPICH 4.0 may wait for ever on processes that call it too,
+    /// after a signal: then the launcher ends the others, once this process has gone.
+    fn abort(&self, status: u8) -> ! {
+        thread::spawn(move || {
+            thread::sleep(PATIENCE_TO_ABORT);
+            // SAFETY: the process ends at once, and runs nothing that MPI could wait in.
+            unsafe { libc::_exit(status.into()) }
+        });
+        self.comm().abort(status.into())
     }
 }

@@ -24,6 +24,10 @@ use crate::ranks::Ranks;
 use crate::report::{note, seconds, status};
 use crate::tables::{self, TableArgs};
 
+/// Most columns of a file of rows of which all are used. A^T A of more takes 32 PiB, and a list of
+/// them, or a row, may take all memory of a machine before a plan refuses them.
+const MOST_COLUMNS: usize = 1 << 26;
+
 /// The matrix A.
 pub struct Source {
     name: PathBuf,
@@ -77,6 +81,11 @@ impl Source {
         let content = if options.format.is_none() && RowFile::is_one(name) {
             options.check_array(name)?;
             let file = RowFile::open(name)?;
+            if options.columns.is_all() && file.ncols() > MOST_COLUMNS {
+                let (m, n) = (file.nrows(), file.ncols());
+                let pib = 8.0 * (n as f64).powi(2) / (1_u64 << 50) as f64;
+                bail!("{}: {m} x {n}: A^T A takes {pib:.0} PiB of memory", name.display());
+            }
             chosen = named(name, options.columns.of(&[], file.ncols()))?;
             Content::File(file)
         } else if let Some(file) = large_table(name, options)? {

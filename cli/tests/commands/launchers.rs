@@ -2,6 +2,7 @@
 //! the work, or one of the processes says why not.
 
 use std::process::Command;
+use std::thread;
 
 use crate::common::{Folder, Run};
 use crate::lines::LINES;
@@ -53,7 +54,7 @@ fn processes_that_are_alone_beside_others_are_refused_by_the_first_one() {
         let why = if cfg!(feature = "mpi") { "each is alone in" } else { "built without MPI" };
         assert!(said[0].contains(why) && said[0].contains("unset SLURM_PROCID"), "{said:?}");
         let other = launched(&folder, &of("3"), command);
-        assert_eq!((other.code, complaints(&other).len()), (Some(0), 0), "{}", other.stderr);
+        assert_eq!((other.code, complaints(&other).len()), (Some(1), 0), "{}", other.stderr);
         assert_eq!(other.stdout, "");
         assert!(!folder.path("c.csv").exists());
     }
@@ -87,7 +88,7 @@ fn a_program_without_mpi_refuses_every_launcher() {
         assert_eq!(run.code, Some(1), "{}", run.stderr);
         assert!(run.stderr.starts_with(&expected), "{}", run.stderr);
         let run = launched(&folder, &[(name, "2")], "ata a.csv -o c.csv");
-        assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""), "{launcher}");
+        assert_eq!((run.code, run.stderr.as_str()), (Some(1), ""), "{launcher}");
         assert_eq!(folder.names(), ["a.csv"], "{launcher}");
     }
 }
@@ -101,18 +102,25 @@ fn name(line: &str) -> &str {
 fn commands_that_share_no_work_refuse_by_their_name() {
     let folder = Folder::new();
     let shared = ["ata", "lstsq", "pca", "svd", "spectrum"];
-    let others = LINES.iter().filter(|line| !shared.contains(&name(line)));
-    let mut count = 0;
-    for line in others {
-        let of = |rank| [("PMI_RANK", rank), ("PMI_SIZE", "2")];
-        let run = launched(&folder, &of("0"), line);
+    let others: Vec<&str> =
+        LINES.iter().copied().filter(|line| !shared.contains(&name(line))).collect();
+    let ran = |rank, line| launched(&folder, &[("PMI_RANK", rank), ("PMI_SIZE", "2")], line);
+    for &line in &others {
+        let run = ran("0", line);
         assert_eq!(run.code, Some(1), "{line}: {}", run.stderr);
         let expected = format!("started 2 processes, but `{}` runs in one process", name(line));
         assert!(run.stderr.contains(&expected), "{line}: {}", run.stderr);
-        let run = launched(&folder, &of("1"), line);
-        assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""), "{line}");
-        count += 1;
     }
+    // Those that do not speak fail too, a second later.
+    thread::scope(|scope| {
+        let start = |&line| (line, scope.spawn(move || ran("1", line)));
+        let runs: Vec<(&str, _)> = others.iter().map(start).collect();
+        for (line, run) in runs {
+            let run = run.join().unwrap();
+            assert_eq!((run.code, run.stderr.as_str()), (Some(1), ""), "{line}");
+        }
+    });
+    let count = others.len();
     assert!(count > 20, "{count} lines");
     assert!(folder.names().is_empty(), "{:?}", folder.names());
     let help = folder.succeed("--help");
@@ -121,5 +129,17 @@ fn commands_that_share_no_work_refuse_by_their_name() {
         let help = folder.succeed(&format!("{command} --help"));
         let words: Vec<&str> = help.split_whitespace().collect();
         assert!(words.join(" ").contains("Under `mpirun`"), "{command}: {help}");
+    }
+}
+
+#[test]
+fn help_and_errors_of_a_command_line_are_said_by_the_first_process() {
+    let folder = Folder::new();
+    let of = |rank| [("OMPI_COMM_WORLD_RANK", rank), ("OMPI_COMM_WORLD_SIZE", "2")];
+    for (line, status) in [("ata --no-such-option", 2), ("atta", 2), ("--help", 0), ("-V", 0)] {
+        let [first, other] = ["0", "1"].map(|rank| launched(&folder, &of(rank), line));
+        assert_eq!((first.code, other.code), (Some(status), Some(status)), "{line}");
+        assert_ne!(first.stdout.len() + first.stderr.len(), 0, "{line}");
+        assert_eq!((other.stdout.as_str(), other.stderr.as_str()), ("", ""), "{line}");
     }
 }

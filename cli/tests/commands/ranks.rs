@@ -29,6 +29,8 @@ fn launcher_of_mpi(folder: &Folder) -> Command {
     for name in ["ALLOW_RUN_AS_ROOT", "ALLOW_RUN_AS_ROOT_CONFIRM", "MCA_rmaps_base_oversubscribe"] {
         command.env(format!("OMPI_{name}"), "1");
     }
+    // hwloc's plugin for OpenCL may load LLVM, which takes SIGUSR1 from Open MPI's mpirun.
+    command.env("HWLOC_COMPONENTS", "-opencl");
     command
 }
 
@@ -271,6 +273,22 @@ fn c_larger_than_memory_is_computed_in_strips_by_all_ranks() {
     assert_ne!(run.code, Some(0));
     assert_eq!(complaints(&run).len(), 1, "{}", run.stderr);
     assert!(run.stderr.contains("--verify needs all of C in memory"), "{}", run.stderr);
+}
+
+#[test]
+fn a_shortage_tells_the_least_memory_of_all_ranks() {
+    let folder = Folder::new();
+    let (m, n) = (2000, 60);
+    folder.write_npy("a.npy", &[m as u64, n as u64], &table_of(m, n));
+    let program = folder.program().get_program().to_owned();
+    let line = ["ata", "a.npy", "-o", "c.npy", "--block-rows", "2000", "--threads", "1"];
+    let mut command = launcher_of_mpi(&folder);
+    command.args(["-n", "1"]).arg(&program).args(line);
+    command.args([":", "-n", "1"]).arg(&program).args(line).args(["--memory", "0.001"]);
+    let run = Run::new(command.output().expect("mpirun starts"));
+    assert_ne!(run.code, Some(0), "{}", run.stdout);
+    let said = complaints(&run);
+    assert!(said.len() == 1 && said[0].contains("with 0.001 GiB of memory"), "{}", run.stderr);
 }
 
 /// Names of the checkpoints of a folder.

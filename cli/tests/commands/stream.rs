@@ -486,3 +486,21 @@ fn files_of_older_formats_say_what_converts_them() {
     assert!(message.contains("a.nc: netCDF in its classic format"), "{message}");
     assert!(message.contains("nccopy -k nc4"), "{message}");
 }
+
+#[test]
+fn columns_too_many_for_any_product_are_refused_before_a_list_of_them_is_made() {
+    let folder = Folder::new();
+    let shape = "{'descr': '<f8', 'fortran_order': False, 'shape': (1, 134217728), }";
+    let header = [&b"\x93NUMPY\x01\x00\x76\x00"[..], format!("{shape:117}\n").as_bytes()].concat();
+    let path = folder.path("a.npy");
+    fs::write(&path, &header).unwrap();
+    // Zeros, which take no place on the disk.
+    let file = fs::OpenOptions::new().write(true).open(&path).unwrap();
+    file.set_len(header.len() as u64 + (1 << 30)).unwrap();
+    for line in ["ata a.npy -o c.npy", "pca a.npy", "svd a.npy", "lstsq a.npy a.npy"] {
+        let run = folder.run(line);
+        assert_eq!(run.code, Some(1), "{line}: {}", run.stderr);
+        let expected = "a.npy: 1 x 134217728: A^T A takes 128 PiB of memory";
+        assert!(run.stderr.contains(expected), "{line}: {}", run.stderr);
+    }
+}

@@ -12,11 +12,16 @@ const BLOCKS: usize = 16;
 /// Most entries of such a block, unless a row has more.
 const ENTRIES: usize = 1 << 13;
 
+/// Most entries of a row that is read: 512 MiB. Longer ones have no product that fits into any
+/// machine (8 n^2 bytes), as the caller says when it plans; a single row of them may take all of a
+/// node's memory, once for each rank.
+const LONGEST: usize = 1 << 26;
+
 /// Checks that all ranks have the same `rows`, of which each rank will take a part: for files that
 /// every rank opens for itself, and that may be incomplete or old copies on some machines. Numbers
 /// of rows and columns are compared, the numbers in `others` (at most six, such as the size of a
 /// file in bytes, each with a name that fits into a sentence), and a fingerprint of 16 blocks of
-/// rows.
+/// rows, unless these have more than 2^26 columns.
 ///
 /// ```no_run
 /// use catamaran::faer::mat;
@@ -62,11 +67,12 @@ pub fn agree_numbers(world: &World, numbers: &[(&'static str, usize)]) -> Result
     world.begin(Operation::SameNumbers, &facts, Ok(()))
 }
 
-/// Returns a number that distinguishes rows of one shape: FNV-1a of the bits of sampled blocks.
+/// Returns a number that distinguishes rows of one shape: FNV-1a of the bits of sampled blocks. Rows
+/// longer than [`LONGEST`] are not read.
 fn fingerprint(rows: &mut (dyn RowBlocks<f64> + Send)) -> Result<u64> {
     let (m, n) = (rows.nrows(), rows.ncols());
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
-    if m == 0 || n == 0 {
+    if m == 0 || n == 0 || n > LONGEST {
         return Ok(hash);
     }
     let height = (ENTRIES / n).clamp(1, m);
@@ -117,5 +123,27 @@ mod tests {
             assert_eq!(of(&other), of(&another));
         }
         assert_eq!(of(&Mat::zeros(0, 3)), of(&Mat::zeros(3, 0)));
+    }
+
+    /// Rows of so many columns that none can be read.
+    struct Endless;
+
+    impl RowBlocks<f64> for Endless {
+        fn nrows(&self) -> usize {
+            10
+        }
+
+        fn ncols(&self) -> usize {
+            2_000_000_000
+        }
+
+        fn read(&mut self, _: usize, _: MatMut<'_, f64>) -> Result<()> {
+            unreachable!("a row takes 15 GiB")
+        }
+    }
+
+    #[test]
+    fn rows_too_long_for_any_product_are_not_read() {
+        assert!(fingerprint(&mut Endless).is_ok());
     }
 }

@@ -34,7 +34,8 @@ pub(in crate::io) fn open(path: &Path) -> Result<(File, Option<String>)> {
                     (then `h5clear -s FILE` removes the mark)";
         return Err(error(path, None, what));
     }
-    if !says("unable to lock") {
+    // The second one while this process has the file open without a lock.
+    if !says("unable to lock") && !says("file locking flag values don't match") {
         return Err(fail(path, &e));
     }
     match unlocked(path) {
