@@ -12,7 +12,7 @@ use catamaran_bench::child::{self, Report};
 use catamaran_bench::exchange::{get_vector, put_vector};
 use catamaran_bench::race::median;
 use catamaran_bench::{Result, host, input, record};
-use catamaran_geometry::mesh::{LaplacianOptions, TriMesh, laplacian};
+use catamaran_geometry::mesh::{LaplacianKind, LaplacianOptions, TriMesh, laplacian};
 
 use super::Contest;
 use super::spectrum::meshes;
@@ -116,7 +116,10 @@ fn race(
 
 /// Writes the matrix and the right-hand sides for both contenders; returns the number of rows.
 fn prepare(folder: &Path, mesh: &TriMesh) -> Result<usize> {
-    let problem = laplacian(mesh, &LaplacianOptions::default())?;
+    // Faces without area have the tufted kind only.
+    let tufted = LaplacianOptions::new().kind(LaplacianKind::Tufted);
+    let problem =
+        laplacian(mesh, &LaplacianOptions::new()).or_else(|_| laplacian(mesh, &tufted))?;
     let mut matrix = problem.stiffness;
     let n = matrix.rows();
     for i in 0..n {
