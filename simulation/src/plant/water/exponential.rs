@@ -124,9 +124,8 @@ impl WaterModel {
     /// every `par`, bit for bit.
     ///
     /// # Errors
-    /// [`Error::Shape`](catamaran::Error::Shape), [`Error::NonFinite`](catamaran::Error::NonFinite)
-    /// and [`Error::Argument`](catamaran::Error::Argument) name the argument at fault;
-    /// [`Error::OutOfMemory`](catamaran::Error::OutOfMemory).
+    /// [`Error::Shape`], [`Error::NonFinite`] and [`Error::Argument`] name the argument at fault;
+    /// [`Error::OutOfMemory`].
     pub fn water_after(&self, water: &[f64], seconds: f64, par: Par) -> Result<Vec<f64>> {
         self.water_after_with(water, seconds, par, Progress::none())
     }
@@ -157,7 +156,7 @@ impl WaterModel {
     /// Checks that the arithmetic of [`Rational::apply`] does not overflow in this time.
     ///
     /// # Errors
-    /// [`Error::Argument`](catamaran::Error::Argument) names the time.
+    /// [`Error::Argument`] names the time.
     pub(super) fn check_seconds(&self, seconds: f64) -> Result<()> {
         /// The most water, in kg, that may pass in this time if all cells were empty: complex
         /// divisions square it.
