@@ -2,11 +2,12 @@ use std::ffi::{c_char, c_void};
 
 use super::boundary::{boundary, path};
 use super::lstsq::{LeastSquaresOutputs, cata_lstsq_params, cata_lstsq_result};
-use super::outputs::{Wanted, tell};
+use super::outputs::{fill_slice, tell};
 use super::params::{Params, flag, init, params, read_or_zeros};
 use super::pca::{ComponentOutputs, cata_pca_params};
 use super::pointer::{
-    self, Layout, free, hand_over, matrix, matrix_mut, optional_slice, output, slice, uplo_from,
+    self, Layout, free, hand_over, matrix, matrix_mut, optional_slice, optional_slice_mut, output,
+    slice, uplo_from,
 };
 use super::progress::{Caller, cata_progress};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
@@ -257,14 +258,13 @@ pub unsafe extern "C" fn cata_accumulator_rows(
     mean: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: clause `memory` (`rows`, one value; `weight`, one value; `mean`, `found.len()`
+        // SAFETY: clause `memory` (`rows`, one value; `weight`, one value; `mean`, `sum.ncols()`
         // elements), clause `handles` (`accumulator`).
         unsafe {
             let sum = &known(accumulator)?.sum;
-            let found = sum.mean();
-            let mean = Wanted::new("mean", mean, &found)?;
+            let mean = optional_slice_mut("mean", mean, sum.ncols())?;
             tell!(rows: sum.rows(), weight: sum.weight());
-            mean.write();
+            fill_slice(mean, &sum.mean());
         }
         Ok(())
     })

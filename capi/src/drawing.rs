@@ -170,8 +170,8 @@ pub unsafe extern "C" fn cata_drawn_get(
     weights: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: clause `memory` (`vertices`, `corners`, `weights`, 3 elements a vertex; `faces`, 3
-        // a face; `of_faces`, one), clause `handles` (`drawn`).
+        // SAFETY: clause `memory` (`vertices`, `corners`, `weights`, 3 elements a vertex; `faces`,
+        // 3 a face; `of_faces`, one), clause `handles` (`drawn`).
         unsafe {
             let found = &known("drawn", drawn)?.drawn.refined;
             let origins = &found.vertices;

@@ -344,8 +344,8 @@ impl Several {
         self.abort(signals::status());
     }
 
-    /// Ends all processes. `MPI_Abort` of MPICH 4.0 may wait for ever on processes that call it too,
-    /// after a signal: then the launcher ends the others, once this process has gone.
+    /// Ends all processes. `MPI_Abort` of MPICH 4.0 may wait for ever on processes that call it
+    /// too, after a signal: then the launcher ends the others, once this process has gone.
     fn abort(&self, status: u8) -> ! {
         thread::spawn(move || {
             thread::sleep(PATIENCE_TO_ABORT);

@@ -67,8 +67,8 @@ pub fn agree_numbers(world: &World, numbers: &[(&'static str, usize)]) -> Result
     world.begin(Operation::SameNumbers, &facts, Ok(()))
 }
 
-/// Returns a number that distinguishes rows of one shape: FNV-1a of the bits of sampled blocks. Rows
-/// longer than [`LONGEST`] are not read.
+/// Returns a number that distinguishes rows of one shape: FNV-1a of the bits of sampled blocks.
+/// Rows longer than [`LONGEST`] are not read.
 fn fingerprint(rows: &mut (dyn RowBlocks<f64> + Send)) -> Result<u64> {
     let (m, n) = (rows.nrows(), rows.ncols());
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
