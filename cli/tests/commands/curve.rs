@@ -95,7 +95,7 @@ fn what_is_wrong_is_said_with_its_place() {
     assert!(told("0\n1\nx\n").contains("samples.txt:3: neither"));
     assert!(told("0\n1\n").contains("samples: must be at least 3, are 2"));
     assert!(told("0\n1\n1\n").contains("sample 2 is vertex 1, as sample 1"));
-    assert!(told("0\n1\n99\n").contains("vertex 99, out of range: 84"));
+    assert!(told("0\n1\n99\n").contains("site 2: vertex 99 is out of range: 84 vertices"));
     assert!(!folder.path("curve.json").exists());
     // An outcome, not an error: there is a file.
     folder.write("samples.txt", "0\n1\n42\n");

@@ -597,8 +597,9 @@ fn geodesics_are_traced_from_a_point_in_a_direction() {
     }
     let said = folder.succeed("distance rhombus.obj --from 1 --trace 0,1,0 --length 7");
     assert!(said.contains("6.000000e0 to ") && said.contains(", stopped at the boundary"));
-    // With distances, whose method does not matter.
-    folder.succeed("distance rhombus.obj --from 1 --trace 0,1,0 --length 2 -o d.npy");
+    // With distances.
+    let both = "distance rhombus.obj --from 1 --trace 0,1,0 --length 2 --method exact -o d.npy";
+    folder.succeed(both);
     assert!((folder.read_npy::<f64>("d.npy", &[4, 1])[3] - 6.0).abs() < 1e-12);
     for (line, why) in [
         ("--from 1 --trace 0,1 --length 7", "expected 3 numbers separated by commas"),
