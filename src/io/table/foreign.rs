@@ -201,7 +201,7 @@ mod tests {
             ("%PDF-1.4\n", 1, "PDF"),
             ("% x\n@relation r\n@attribute a numeric\n@DATA\n1\n", 1, ""),
             ("@relation r\n@attribute a numeric\n@DATA\n1\n", 1, "option `skip` = 3 leaves"),
-            (" a | b\n---+---\n 1 | 2\n", 2, "psql --csv"),
+            (" a | b\n---+---\n 1 | 2\n", 2, "`psql --csv`"),
             ("+---+---+\n| a | b |\n+---+---+\n", 1, "mysql"),
             ("| a | b |\n|---|:--|\n| 1 | 2 |\n", 2, "printed table"),
         ] {
