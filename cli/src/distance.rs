@@ -28,10 +28,10 @@ use crate::shape::Kind;
 /// Compute distances over a mesh, shortest paths and geodesics.
 ///
 /// The distances are those of every vertex from the nearest point of --from, in units of the mesh.
-/// The distance is infinite for a vertex that no path of faces
-/// or edges connects to a point of --from. A point is a vertex, numbered from 0; a face and
-/// barycentric coordinates in it ('face a b c', with --method exact or --trace); or a point in
-/// space ('x y z'), which stands for the nearest vertex.
+/// The distance is infinite for a vertex that no path of faces or edges connects to a point of
+/// --from. A point is a vertex, numbered from 0; a face and barycentric coordinates in it ('face a
+/// b c', with --method exact or --trace); or a point in space ('x y z'), which stands for the
+/// nearest vertex.
 #[derive(clap::Args)]
 pub struct Args {
     #[arg(value_name = "MESH", help = crate::input::mesh_help("The mesh"))]

@@ -139,6 +139,15 @@ pub fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
     })
 }
 
+/// Parses N finite numbers separated by commas.
+pub fn finite_numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+    let all = numbers(text)?;
+    match all.iter().all(|x| x.is_finite()) {
+        true => Ok(all),
+        false => Err(format!("expected {N} finite numbers separated by commas")),
+    }
+}
+
 /// Parses a finite number.
 pub fn finite(text: &str) -> Result<f64, String> {
     number(text, |_| true, "a finite number")

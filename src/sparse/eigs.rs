@@ -26,10 +26,10 @@ use crate::dense::filled;
 /// `sigma = -s`, where n s is the median of `W_ii / M_ii`: for a surface of area A of equilateral
 /// triangles `s = 2 sqrt(3) / A`, the size of its first eigenvalues. With a shift, sigma is the
 /// shift, or a number beside it if the shift is an eigenvalue or near one, or `-s` if the shift and
-/// -s are below all eigenvalues. Null vectors that are
-/// constant on components of the graph of W are not iterated, however many there are
-/// ([`free_components`](super::free_components) counts them): their eigenvalues are 0. Other
-/// eigenvalues of more than 8 dimensions are complete only under [`EigenOptions::verify_count`].
+/// -s are below all eigenvalues. Null vectors that are constant on components of the graph of W are
+/// not iterated, however many there are ([`free_components`](super::free_components) counts them):
+/// their eigenvalues are 0. Other eigenvalues of more than 8 dimensions are complete only under
+/// [`EigenOptions::verify_count`].
 ///
 /// The result is the same, bit for bit, for every `options.par`. Memory: about `2 k + 80` vectors
 /// of n, the result, and the factor.

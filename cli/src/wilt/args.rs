@@ -150,7 +150,7 @@ pub struct Args {
         long,
         value_name = "FULL,DRY",
         default_value_t = Constants::usual().moduli,
-        value_parser = pair
+        value_parser = |text: &str| parse::finite_numbers::<2>(text).map(Numbers)
     )]
     elasticity: Numbers<2>,
     /// Conductance, as a fraction of that of a pipe as wide as the segment: determines how unevenly
@@ -222,7 +222,13 @@ pub struct Args {
     damping: f64,
     /// Wind in --motion, in m/s, with z upwards; 0,0,0 is still air, which slows down moving parts
     /// [default: no air].
-    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true, requires = "motion")]
+    #[arg(
+        long,
+        value_name = "X,Y,Z",
+        value_parser = parse::finite_numbers::<3>,
+        allow_hyphen_values = true,
+        requires = "motion"
+    )]
     wind: Option<[f64; 3]>,
     /// Standard deviation of the --wind in each direction, as a fraction of its speed.
     #[arg(
@@ -357,22 +363,6 @@ enum Kind {
     Ply,
     /// No meshes.
     None,
-}
-
-/// Parses three numbers separated by commas.
-fn triple(text: &str) -> Result<[f64; 3], String> {
-    let numbers: Option<Vec<f64>> = text.split(',').map(|x| parse::finite(x).ok()).collect();
-    let three = numbers.and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
-    three.ok_or_else(|| "expected three numbers separated by commas".into())
-}
-
-/// Parses two numbers separated by a comma.
-fn pair(text: &str) -> Result<Numbers<2>, String> {
-    let numbers = text.split_once(',').map(|(a, b)| (parse::finite(a), parse::finite(b)));
-    match numbers {
-        Some((Ok(a), Ok(b))) => Ok(Numbers([a, b])),
-        _ => Err("expected two numbers separated by a comma".into()),
-    }
 }
 
 /// Parses a node and a factor.

@@ -1,6 +1,6 @@
 //! Exact distances and paths whose ends are inside faces and on edges.
 
-use super::tests::{check_parts, cube, moved};
+use super::tests::{check_parts, cube, moved, random_surface};
 use super::*;
 use crate::mesh::vector::distance;
 use crate::mesh::{SurfacePoint, families, shapes};
@@ -84,26 +84,7 @@ fn with_vertex(mesh: &TriMesh, point: SurfacePoint) -> TriMesh {
 fn distances_from_points_inside_faces_are_those_from_vertices_that_cut_the_faces() {
     let mut rng = Rng::new(19);
     for round in 0..90 {
-        let (x, y) = [(2, 2), (3, 2), (4, 1), (3, 3)][round % 4];
-        let height = |rng: &mut Rng| match round % 3 {
-            0 => [0.0, 1.0][(rng.bits() % 2) as usize],
-            1 => [0.0, 0.5, 3.0][(rng.bits() % 3) as usize],
-            _ => 2.0 * rng.uniform(),
-        };
-        let (vertices, mut faces) =
-            moved(&shapes::grid(x, y), |[x, y, _]| [x, y, height(&mut rng)]).into_parts();
-        for face in &mut faces {
-            if rng.bits().is_multiple_of(2) {
-                face.swap(0, 1);
-            }
-        }
-        if round % 5 == 0 {
-            faces.retain(|_| rng.uniform() < 0.85);
-        }
-        if round % 7 == 0 {
-            faces.push([0, x + 2, vertices.len() as u32 - 1]);
-        }
-        let mesh = TriMesh::new(vertices, faces).unwrap();
+        let mesh = random_surface(round, &mut rng);
         let n = mesh.vertices().len() as u32;
         let [a, b] = [(); 2].map(|()| random_point(&mesh, &mut rng));
         let solver = Geodesics::new(&mesh).unwrap();

@@ -270,32 +270,37 @@ impl Sequences<'_> {
     }
 }
 
+/// Returns a small grid with random heights, of the kind of this round.
+pub(super) fn random_surface(round: usize, rng: &mut Rng) -> TriMesh {
+    let (x, y) = [(2, 2), (3, 2), (4, 1), (3, 3)][round % 4];
+    // Heights of few values, so that paths tie and run through vertices, or of many.
+    let height = |rng: &mut Rng| match round % 3 {
+        0 => [0.0, 1.0][(rng.bits() % 2) as usize],
+        1 => [0.0, 0.5, 3.0][(rng.bits() % 3) as usize],
+        _ => 2.0 * rng.uniform(),
+    };
+    let (vertices, mut faces) =
+        moved(&shapes::grid(x, y), |[x, y, _]| [x, y, height(rng)]).into_parts();
+    // Faces of both orientations, holes, and edges of three faces.
+    for face in &mut faces {
+        if rng.bits().is_multiple_of(2) {
+            face.swap(0, 1);
+        }
+    }
+    if round % 5 == 0 {
+        faces.retain(|_| rng.uniform() < 0.85);
+    }
+    if round % 7 == 0 {
+        faces.push([0, x + 2, vertices.len() as u32 - 1]);
+    }
+    TriMesh::new(vertices, faces).unwrap()
+}
+
 #[test]
 fn exact_distances_are_those_of_all_sequences_of_faces() {
     let mut rng = Rng::new(11);
     for round in 0..120 {
-        let (x, y) = [(2, 2), (3, 2), (4, 1), (3, 3)][round % 4];
-        // Heights of few values, so that paths tie and run through vertices, or of many.
-        let height = |rng: &mut Rng| match round % 3 {
-            0 => [0.0, 1.0][(rng.bits() % 2) as usize],
-            1 => [0.0, 0.5, 3.0][(rng.bits() % 3) as usize],
-            _ => 2.0 * rng.uniform(),
-        };
-        let (vertices, mut faces) =
-            moved(&shapes::grid(x, y), |[x, y, _]| [x, y, height(&mut rng)]).into_parts();
-        // Faces of both orientations, holes, and edges of three faces.
-        for face in &mut faces {
-            if rng.bits().is_multiple_of(2) {
-                face.swap(0, 1);
-            }
-        }
-        if round % 5 == 0 {
-            faces.retain(|_| rng.uniform() < 0.85);
-        }
-        if round % 7 == 0 {
-            faces.push([0, x + 2, vertices.len() as u32 - 1]);
-        }
-        let mesh = TriMesh::new(vertices, faces).unwrap();
+        let mesh = random_surface(round, &mut rng);
         let n = mesh.vertices().len() as u32;
         let sources = [(rng.bits() % u64::from(n)) as u32, n - 1];
         let sources = &sources[..1 + round % 2];
