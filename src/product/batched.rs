@@ -6,9 +6,9 @@ use std::sync::OnceLock;
 use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef};
 
-use super::ata_into;
 use super::options::AtaOptions;
-use super::plan::{Op, Problem};
+use super::plan::{Op, Problem, direct_kernels};
+use super::{Product, ata_into, execute_direct};
 use crate::base::{Error, Par, Progress, Result, Tracker};
 use crate::blas::BlasReal;
 
@@ -60,13 +60,17 @@ pub fn ata_batched_into<T: BlasReal>(
     options.check()?;
     Error::check_shape("C", (a.len(), 1), (c.len(), 1))?;
     let mut total = 0.0;
+    let mut checked = (0, 0);
     for (i, (a, c)) in a.iter().zip(c.iter()).enumerate() {
         let ((m, n), (rows, cols)) = (a.shape(), c.shape());
         if (rows, cols) != (n, n) {
             let why = format!("matrix {i}: expected {n} x {n}, got {rows} x {cols}");
             return Err(Error::Argument { what: "C", why });
         }
-        Problem::new(Op::Syrk, m, n, n)?;
+        if (m, n) != checked {
+            Problem::new(Op::Syrk, m, n, n)?;
+            checked = (m, n);
+        }
         total += work(*a);
     }
     if a.is_empty() {
@@ -88,11 +92,27 @@ pub fn ata_batched_into<T: BlasReal>(
     options.on_cores(|| {
         par.for_each(a.chunks(size).zip(c.chunks_mut(size)), |_, (a, c)| {
             let mut spent = 0.0;
+            // Products of one shape ask once for what computes them.
+            let (mut shape, mut kernels) = ((0, 0), None);
             for (&a, c) in a.iter().zip(c).filter(|&(&a, _)| !together(a)) {
                 if tracker.state().is_break() || failed.get().is_some() {
                     return;
                 }
-                if let Err(error) = ata_into(alpha, a, beta, c.rb_mut(), &alone) {
+                let (m, n) = a.shape();
+                if shape != (m, n) {
+                    shape = (m, n);
+                    kernels = direct_kernels(&Problem { op: Op::Syrk, m, n, k: n }, &alone);
+                }
+                let c = c.rb_mut();
+                let result = match kernels {
+                    Some(native) => {
+                        let uplo = Some(options.uplo);
+                        let product = Product { alpha, a, b: None, beta, c, uplo };
+                        execute_direct(native, Op::Syrk, product)
+                    }
+                    None => ata_into(alpha, a, beta, c, &alone),
+                };
+                if let Err(error) = result {
                     let _ = failed.set(error);
                 }
                 spent += work(a);

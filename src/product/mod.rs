@@ -140,7 +140,8 @@ fn compute<T: BlasReal>(op: Op, product: Product<'_, T>, options: &AtaOptions<'_
     let (m, n, k) = (product.a.nrows(), product.c.nrows(), product.c.ncols());
     let problem = Problem::new(op, m, n, k)?;
     if let Some(native) = plan::direct_kernels(&problem, options) {
-        return execute_direct(native, op, product, options);
+        execute_direct(native, op, product)?;
+        return options.progress.report(1.0);
     }
     run(&Plan::new::<T>(op, m, n, k, options)?, product, options, None)
 }

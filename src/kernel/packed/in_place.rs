@@ -73,10 +73,11 @@ pub(super) unsafe fn multiply_in_place<V: Vectors, const ROWS: usize, const COUN
             };
             let count = width.div_ceil(V::LANES);
             let rest = width - (count - 1) * V::LANES;
-            // Without registers for masks, only tiles of whole vectors that are wanted.
-            let direct = only.filter(|target| {
-                V::MASK_REGISTERS
-                    || rest == V::LANES && target.takes_whole(row..row + height, col..col + width)
+            let masked = V::MASK_REGISTERS || count == 1 && rest < V::LANES;
+            // Not vectors that are shifted back.
+            let direct = only.filter(|_| masked || rest == V::LANES).map(|target| {
+                let (rows, cols) = (row..row + height, col..col + width);
+                (target, !V::MASK_REGISTERS && target.takes_whole(rows, cols))
             });
             // SAFETY: clauses `instructions`, `sides` and `sums`: `row + height` and `col + width`
             // are inside the rectangle that both sides have. The last vector has the lanes `tail`
@@ -84,7 +85,6 @@ pub(super) unsafe fn multiply_in_place<V: Vectors, const ROWS: usize, const COUN
             // is read. `sums` advances by a tile for each one that is kept.
             unsafe {
                 let tail = V::mask(low_bits(rest));
-                let masked = V::MASK_REGISTERS || count == 1 && rest < V::LANES;
                 let tile = Tile {
                     steps,
                     left: left.start.wrapping_add(row),
@@ -99,7 +99,7 @@ pub(super) unsafe fn multiply_in_place<V: Vectors, const ROWS: usize, const COUN
                 if V::MASK_REGISTERS {
                     part_of_tile::<V, ROWS, COUNT, true>(tile, corner, height, count, tail, direct);
                 } else if masked {
-                    part_of_tile::<V, ROWS, 1, true>(tile, corner, height, 1, tail, None);
+                    part_of_tile::<V, ROWS, 1, true>(tile, corner, height, 1, tail, direct);
                 } else {
                     part_of_tile::<V, ROWS, COUNT, false>(
                         tile, corner, height, count, tail, direct,
@@ -121,9 +121,9 @@ pub(super) unsafe fn multiply_in_place<V: Vectors, const ROWS: usize, const COUN
 }
 
 /// Computes `height` rows and `count` vectors of a tile, of the last vector the lanes `tail` if
-/// `MASKED`, and reads nothing else. Writes the sums to `target` at `(row, col)`, or without a
-/// target to memory. Tiles of one whole vector and 4 rows may also have 8, with a target: the sums
-/// have no room for them.
+/// `MASKED`, and reads nothing else. Writes the sums to the target at `(row, col)`, all of them if
+/// it says so and else the wanted ones, or without a target to memory. Tiles of one whole vector
+/// and 4 rows may also have 8, with a target: the sums have no room for them.
 ///
 /// # Safety
 /// As for [`multiply_in_place`].
@@ -134,14 +134,18 @@ unsafe fn part_of_tile<V: Vectors, const ROWS: usize, const COUNT: usize, const 
     mut height: usize,
     count: usize,
     tail: V::Mask,
-    target: Option<&Target<V::Scalar>>,
+    target: Option<(&Target<V::Scalar>, bool)>,
 ) {
     macro_rules! part {
         ($rows:expr, $count:expr) => {{
             let sums = tile.multiply::<V, { $rows }, { $count }, MASKED>(tail, None);
             match target {
-                Some(target) => {
-                    write_registers::<V, { $rows }, { $count }, MASKED>(sums, target, row, col)
+                // With registers for masks, one way is enough.
+                Some((target, true)) if !V::MASK_REGISTERS => {
+                    write_registers::<V, { $rows }, { $count }, false>(sums, target, row, col)
+                }
+                Some((target, _)) => {
+                    write_registers::<V, { $rows }, { $count }, true>(sums, target, row, col)
                 }
                 None => tile.store::<V, { $rows }, { $count }>(sums),
             }

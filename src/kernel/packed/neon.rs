@@ -66,14 +66,14 @@ macro_rules! vectors {
                 }
             }
             #[inline(always)]
-            unsafe fn store_masked(to: *mut $t, mask: u64, vector: [$v; 2]) {
+            unsafe fn store_lanes(to: *mut $t, bits: u64, vector: [$v; 2]) {
                 let mut lanes = [0.0; 2 * $half];
-                // SAFETY: there is room for the lanes of the mask by the contract of
-                // `store_masked`, and no others are written. `lanes` has LANES scalars.
+                // SAFETY: there is room for the lanes whose bits are set by the contract of
+                // `store_lanes`, and no others are written. `lanes` has LANES scalars.
                 unsafe {
                     Self::store(lanes.as_mut_ptr(), vector);
                     for (i, &lane) in lanes.iter().enumerate() {
-                        if mask >> i & 1 == 1 {
+                        if bits >> i & 1 == 1 {
                             *to.add(i) = lane;
                         }
                     }

@@ -48,11 +48,11 @@ impl<T: Real, const N: usize> Vectors for Array<T, N> {
         std::array::from_fn(|i| if mask >> i & 1 == 1 { unsafe { *from.add(i) } } else { T::ZERO })
     }
     #[inline(always)]
-    unsafe fn store_masked(to: *mut T, mask: u64, vector: [T; N]) {
+    unsafe fn store_lanes(to: *mut T, bits: u64, vector: [T; N]) {
         for i in 0..N {
-            if mask >> i & 1 == 1 {
-                // SAFETY: there is room for the lanes of the mask by the contract of
-                // `store_masked`, and only these are written.
+            if bits >> i & 1 == 1 {
+                // SAFETY: there is room for the lanes whose bits are set by the contract of
+                // `store_lanes`, and only these are written.
                 unsafe { *to.add(i) = vector[i] };
             }
         }

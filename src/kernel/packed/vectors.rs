@@ -57,11 +57,12 @@ pub(super) trait Vectors {
     /// # Safety
     /// The scalars of these lanes exist.
     unsafe fn load_masked(from: *const Self::Scalar, mask: Self::Mask) -> Self::Vector;
-    /// Stores the lanes of the mask; nothing else is written.
+    /// Stores the lanes whose bits are set, and writes nothing else; bits beyond the lanes are
+    /// ignored.
     ///
     /// # Safety
     /// There is room for these lanes.
-    unsafe fn store_masked(to: *mut Self::Scalar, mask: Self::Mask, vector: Self::Vector);
+    unsafe fn store_lanes(to: *mut Self::Scalar, bits: u64, vector: Self::Vector);
     /// Returns `a b + c`, rounded twice by the portable vectors and once by all others.
     ///
     /// # Safety

@@ -80,16 +80,13 @@ unsafe fn write_wanted<V: Vectors>(
                         let sum = if reads { V::add(V::mul(beta, V::load(to)), sum) } else { sum };
                         V::store(to, sum);
                     } else {
-                        let mask = V::mask(columns.bits_of_row(i) >> at);
-                        let sum = match reads {
-                            true => V::add(V::mul(beta, V::load_masked(to, mask)), sum),
-                            false => sum,
-                        };
-                        V::store_masked(to, mask, sum);
+                        let bits = columns.bits_of_row(i) >> at;
+                        let old = || V::load_masked(to, V::mask(bits));
+                        let sum = if reads { V::add(V::mul(beta, old()), sum) } else { sum };
+                        V::store_lanes(to, bits, sum);
                     }
                 } else {
-                    // Without registers for masks, masked stores are slow on CPUs of AMD, and lanes
-                    // beyond the tile have no sums.
+                    // Without registers for masks, lanes beyond the tile have no sums.
                     for j in wanted.start.max(at)..wanted.end.min(at + V::LANES) {
                         let sum = target.coefficient * *sums.add(j);
                         let to = start.wrapping_add(j);
@@ -134,10 +131,10 @@ pub(super) unsafe fn write_registers<
                     let bits = columns.bits_of_row(i);
                     let row = start.wrapping_offset(i as isize * target.row_stride);
                     for j in 0..N {
-                        let mask = V::mask(bits >> (j * V::LANES));
+                        let bits = bits >> (j * V::LANES);
                         let to = row.wrapping_add(j * V::LANES);
-                        let sum = $sum(to, mask, V::mul(c, sums[i][j]));
-                        if MASKED { V::store_masked(to, mask, sum) } else { V::store(to, sum) }
+                        let sum = $sum(to, bits, V::mul(c, sums[i][j]));
+                        if MASKED { V::store_lanes(to, bits, sum) } else { V::store(to, sum) }
                     }
                 }
             };
@@ -145,8 +142,8 @@ pub(super) unsafe fn write_registers<
         if target.beta == V::Scalar::ZERO {
             each_vector!(|_, _, sum| sum);
         } else {
-            each_vector!(|to, mask, sum| {
-                let old = if MASKED { V::load_masked(to, mask) } else { V::load(to) };
+            each_vector!(|to, bits, sum| {
+                let old = if MASKED { V::load_masked(to, V::mask(bits)) } else { V::load(to) };
                 V::add(V::mul(beta, old), sum)
             });
         }

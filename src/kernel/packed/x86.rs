@@ -13,7 +13,7 @@ macro_rules! vectors {
         $name:ident, $t:ident, $v:ident, $lanes:expr, rows: $rows:expr,
         mask_registers: $mask_registers:expr, $tuning:expr,
         $splat:ident, $load:ident, $store:ident, $stream:ident,
-        $m:ident, $mask:ident, $load_masked:ident, $store_masked:ident,
+        $m:ident, $mask:ident, $load_masked:ident, $store_lanes:ident,
         $fma:ident, $($pairwise:ident: $function:ident),*
     ) => {
         pub(super) struct $name;
@@ -65,11 +65,11 @@ macro_rules! vectors {
                 unsafe { $load_masked(from, mask) }
             }
             #[inline(always)]
-            unsafe fn store_masked(to: *mut $t, mask: $m, vector: $v) {
+            unsafe fn store_lanes(to: *mut $t, bits: u64, vector: $v) {
                 // SAFETY: clause `instructions`; there is room for the lanes of the mask by the
-                // contract of `store_masked`, and the instruction writes no others and takes any
-                // alignment.
-                unsafe { $store_masked(to, mask, vector) }
+                // contract of `store_lanes`, and the function writes no others and takes any
+                // alignment of a scalar.
+                unsafe { $store_lanes(to, bits, vector) }
             }
             #[inline(always)]
             unsafe fn mul_add(a: $v, b: $v, c: $v) -> $v {
@@ -145,18 +145,83 @@ unsafe fn load_f32x16(from: *const f32, mask: __mmask16) -> __m512 {
     unsafe { _mm512_maskz_loadu_ps(mask, from) }
 }
 
+#[inline(always)]
+unsafe fn store_f64x8(to: *mut f64, bits: u64, vector: __m512d) {
+    // SAFETY: called by `Avx512F64::store_lanes` only, whose CPU has AVX-512 F (clause
+    // `instructions`) and whose contract gives room for the lanes of the mask; no others are
+    // written.
+    unsafe { _mm512_mask_storeu_pd(to, bits as __mmask8, vector) }
+}
+
+#[inline(always)]
+unsafe fn store_f32x16(to: *mut f32, bits: u64, vector: __m512) {
+    // SAFETY: called by `Avx512F32::store_lanes` only, whose CPU has AVX-512 F (clause
+    // `instructions`) and whose contract gives room for the lanes of the mask; no others are
+    // written.
+    unsafe { _mm512_mask_storeu_ps(to, bits as __mmask16, vector) }
+}
+
+/// Stores lanes by halves and single ones: the masked stores of AVX2 are slow on CPUs of AMD.
+#[inline(always)]
+unsafe fn store_f64x4(to: *mut f64, bits: u64, vector: __m256d) {
+    // SAFETY: called by `Avx2F64::store_lanes` only, whose CPU has AVX2 (clause `instructions`) and
+    // whose contract gives room for the lanes whose bits are set: both, the upper or the lower one
+    // of each half, and no others are written. `to` is aligned to a scalar, and stores of both take
+    // any alignment.
+    unsafe {
+        let halves = [_mm256_castpd256_pd128(vector), _mm256_extractf128_pd::<1>(vector)];
+        for (i, half) in halves.into_iter().enumerate() {
+            let to = to.wrapping_add(2 * i);
+            match bits >> (2 * i) & 3 {
+                3 => _mm_storeu_pd(to, half),
+                2 => _mm_storeh_pd(to.wrapping_add(1), half),
+                1 => _mm_storel_pd(to, half),
+                _ => {}
+            }
+        }
+    }
+}
+
+/// As [`store_f64x4`].
+#[inline(always)]
+unsafe fn store_f32x8(to: *mut f32, bits: u64, vector: __m256) {
+    // SAFETY: called by `Avx2F32::store_lanes` only, whose CPU has AVX2 (clause `instructions`) and
+    // whose contract gives room for the lanes whose bits are set: all of a half, or both, the upper
+    // or the lower one of each quarter, and no others are written. `to` is aligned to a scalar, and
+    // stores of several lanes take any alignment.
+    unsafe {
+        let halves = [_mm256_castps256_ps128(vector), _mm256_extractf128_ps::<1>(vector)];
+        for (i, half) in halves.into_iter().enumerate() {
+            let (to, bits) = (to.wrapping_add(4 * i), bits >> (4 * i) & 15);
+            if bits == 15 {
+                _mm_storeu_ps(to, half);
+                continue;
+            }
+            for (j, pair) in [half, _mm_movehl_ps(half, half)].into_iter().enumerate() {
+                let to = to.wrapping_add(2 * j);
+                match bits >> (2 * j) & 3 {
+                    3 => _mm_storel_epi64(to.cast(), _mm_castps_si128(pair)),
+                    2 => _mm_store_ss(to.wrapping_add(1), _mm_movehdup_ps(pair)),
+                    1 => _mm_store_ss(to, pair),
+                    _ => {}
+                }
+            }
+        }
+    }
+}
+
 // 8 x 3 sums, 3 vectors of the right panel and 1 of the left: 28 of 32 registers.
 vectors!(
     Avx512F64, f64, __m512d, 8, rows: 8, mask_registers: true, tuning::AVX512,
     _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd, _mm512_stream_pd,
-    __mmask8, mask_8_bits, load_f64x8, _mm512_mask_storeu_pd,
+    __mmask8, mask_8_bits, load_f64x8, store_f64x8,
     _mm512_fmadd_pd, add: _mm512_add_pd, mul: _mm512_mul_pd, div: _mm512_div_pd, min: _mm512_min_pd,
     max: _mm512_max_pd
 );
 vectors!(
     Avx512F32, f32, __m512, 16, rows: 8, mask_registers: true, tuning::AVX512,
     _mm512_set1_ps, _mm512_loadu_ps, _mm512_storeu_ps, _mm512_stream_ps,
-    __mmask16, mask_16_bits, load_f32x16, _mm512_mask_storeu_ps,
+    __mmask16, mask_16_bits, load_f32x16, store_f32x16,
     _mm512_fmadd_ps, add: _mm512_add_ps, mul: _mm512_mul_ps, div: _mm512_div_ps, min: _mm512_min_ps,
     max: _mm512_max_ps
 );
@@ -165,14 +230,14 @@ vectors!(
 vectors!(
     Avx2F64, f64, __m256d, 4, rows: 4, mask_registers: false, tuning::AVX2,
     _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd, _mm256_storeu_pd,
-    __m256i, mask_4_lanes, _mm256_maskload_pd, _mm256_maskstore_pd,
+    __m256i, mask_4_lanes, _mm256_maskload_pd, store_f64x4,
     _mm256_fmadd_pd, add: _mm256_add_pd, mul: _mm256_mul_pd, div: _mm256_div_pd, min: _mm256_min_pd,
     max: _mm256_max_pd
 );
 vectors!(
     Avx2F32, f32, __m256, 8, rows: 4, mask_registers: false, tuning::AVX2,
     _mm256_set1_ps, _mm256_loadu_ps, _mm256_storeu_ps, _mm256_storeu_ps,
-    __m256i, mask_8_lanes, _mm256_maskload_ps, _mm256_maskstore_ps,
+    __m256i, mask_8_lanes, _mm256_maskload_ps, store_f32x8,
     _mm256_fmadd_ps, add: _mm256_add_ps, mul: _mm256_mul_ps, div: _mm256_div_ps, min: _mm256_min_ps,
     max: _mm256_max_ps
 );

@@ -50,7 +50,8 @@ pub(crate) fn execute<T: BlasReal>(
         #[inline(always)]
         |product| match &plan.strategy {
             Strategy::Direct(_) => {
-                direct(T::kernels(options.backend.as_ref()), plan.problem.op, product, options)
+                direct(T::kernels(options.backend.as_ref()), plan.problem.op, product);
+                options.progress.report(1.0)
             }
             Strategy::Fused(it) => {
                 options.on_cores(|| fused::execute(it, &plan.problem, product, options, scratch))
@@ -64,19 +65,22 @@ pub(crate) fn execute<T: BlasReal>(
 }
 
 /// Computes a product whose plan would be [`Strategy::Direct`], without making the plan, on our own
-/// kernels.
+/// kernels. Reports no progress.
 #[inline(always)]
 pub(crate) fn execute_direct<T: BlasReal>(
     native: &Native,
     op: Op,
     product: Product<'_, T>,
-    options: &AtaOptions<'_>,
 ) -> Result<()> {
-    of_lower(
-        product,
-        options,
+    if product.is_scaling() {
+        return product.scale();
+    }
+    product.into_lower(
         #[inline(always)]
-        |product| direct(native, op, product, options),
+        |product| {
+            direct(native, op, product);
+            Ok(())
+        },
     )
 }
 
@@ -116,12 +120,7 @@ fn exactly<T: BlasReal>(
 
 /// Computes one product on the calling thread.
 #[inline(always)]
-fn direct<T: BlasReal>(
-    kernels: &dyn Kernels<T>,
-    op: Op,
-    product: Product<'_, T>,
-    options: &AtaOptions<'_>,
-) -> Result<()> {
+fn direct<T: BlasReal>(kernels: &dyn Kernels<T>, op: Op, product: Product<'_, T>) {
     let right = product.b.unwrap_or(product.a);
     let Product { alpha, a, beta, c, .. } = product;
     match op {
@@ -129,5 +128,4 @@ fn direct<T: BlasReal>(
         Op::Gemmt => kernels.gemmt(alpha, a, right, beta, c),
         Op::Gemm => kernels.gemm(alpha, a, right, beta, c),
     }
-    options.progress.report(1.0)
 }
