@@ -77,7 +77,7 @@ pub(super) unsafe fn multiply_in_place<V: Vectors, const ROWS: usize, const COUN
             // Not vectors that are shifted back.
             let direct = only.filter(|_| masked || rest == V::LANES).map(|target| {
                 let (rows, cols) = (row..row + height, col..col + width);
-                (target, !V::MASK_REGISTERS && target.takes_whole(rows, cols))
+                (target, !masked && target.takes_whole(rows, cols))
             });
             // SAFETY: clauses `instructions`, `sides` and `sums`: `row + height` and `col + width`
             // are inside the rectangle that both sides have. The last vector has the lanes `tail`
