@@ -10,6 +10,7 @@ use faer::{MatMut, MatRef};
 use super::geometry::{Area, line_len};
 use super::pack::Panels;
 use super::schedule::aligned;
+use super::vectors::Vectors;
 use super::*;
 use crate::base::{Arena, Par, Pin, Progress, Real, Rng, ThreadPool, Tracker};
 
@@ -986,4 +987,54 @@ fn check_scales<T: FloatOperand>(rng: &mut Rng) {
 #[test]
 fn scales_over_the_whole_range_of_exponents_are_exact() {
     in_both_precisions!(check_scales);
+}
+
+/// Checks that `store_lanes` writes the lanes whose bits are set and no others, for every pattern.
+///
+/// # Safety
+/// The CPU has the instructions of V.
+unsafe fn check_stores<V: Vectors>() {
+    let numbers: Vec<_> = (0..V::LANES).map(|i| V::Scalar::from_f64(i as f64)).collect();
+    let poison = V::Scalar::from_f64(POISON);
+    for bits in 0..1_u64 << V::LANES {
+        let mut found = vec![poison; V::LANES];
+        // SAFETY: both have LANES scalars; the caller has the instructions.
+        unsafe { V::store_lanes(found.as_mut_ptr(), bits, V::load(numbers.as_ptr())) };
+        for (i, found) in found.into_iter().enumerate() {
+            let expected = if bits >> i & 1 == 1 { numbers[i] } else { poison };
+            assert_eq!(found, expected, "{} x {}: {bits:b}, lane {i}", V::Scalar::NAME, V::LANES);
+        }
+    }
+}
+
+#[test]
+fn lanes_are_stored_where_bits_are_set() {
+    for isa in isas() {
+        // SAFETY: this machine supports the isa.
+        unsafe {
+            match isa {
+                FloatIsa::Portable => {
+                    check_stores::<portable::Array<f64, 2>>();
+                    check_stores::<portable::Array<f32, 4>>();
+                }
+                #[cfg(target_arch = "x86_64")]
+                FloatIsa::Avx2 => {
+                    check_stores::<x86::Avx2F64>();
+                    check_stores::<x86::Avx2F32>();
+                }
+                #[cfg(target_arch = "x86_64")]
+                FloatIsa::Avx512 => {
+                    check_stores::<x86::Avx512F64>();
+                    check_stores::<x86::Avx512F32>();
+                }
+                #[cfg(target_arch = "aarch64")]
+                FloatIsa::Neon => {
+                    check_stores::<neon::NeonF64>();
+                    check_stores::<neon::NeonF32>();
+                }
+                #[allow(unreachable_patterns)]
+                _ => unreachable!("{} has no vectors here", isa.name()),
+            }
+        }
+    }
 }
