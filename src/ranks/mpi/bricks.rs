@@ -94,8 +94,8 @@ fn exchange<'w, T: MpiReal>(
     Some(Exchange::new(world, bricks.rank(slice, 0), bricks.blocks(), brick))
 }
 
-/// Returns the reduction over the slices of the sums of this rank's block; `None` for a rank without
-/// a brick.
+/// Returns the reduction over the slices of the sums of this rank's block; `None` for a rank
+/// without a brick.
 fn scatter<T: MpiReal>(world: &World, bricks: &Bricks) -> Option<Result<Scatter<T>>> {
     let (slice, block) = bricks.place(world.rank())?;
     let ranks = [block, bricks.blocks().ranks(), bricks.slices()];

@@ -8,8 +8,8 @@ use super::world::{MpiReal, World};
 use crate::base::{Result, even_part, reserved};
 use crate::ranks::plan::rounds;
 
-/// The reduction of `len` numbers over `count` ranks, `step` apart, from `first` on. Each rank sends
-/// every number that is not its own once, in `ceil(log2 count)` messages.
+/// The reduction of `len` numbers over `count` ranks, `step` apart, from `first` on. Each rank
+/// sends every number that is not its own once, in `ceil(log2 count)` messages.
 pub(super) struct Scatter<T> {
     first: usize,
     step: usize,
@@ -45,8 +45,8 @@ impl<T: MpiReal> Scatter<T> {
         parts.map(|i| self.part(i).len()).sum()
     }
 
-    /// Sums `terms` over the ranks. Afterwards those of this rank, which are returned, are sums, and
-    /// the others unspecified.
+    /// Sums `terms` over the ranks. Afterwards those of this rank, which are returned, are sums,
+    /// and the others unspecified.
     pub(super) fn sum<'t>(&mut self, world: &World, terms: &'t mut [T]) -> &'t [T] {
         let (own, count) = (self.own, self.count);
         let rank = |i: usize| self.first + i % count * self.step;

@@ -42,8 +42,8 @@ pub(super) struct Piece<'w, T> {
 }
 
 impl<'w, T: MpiReal> Exchange<'w, T> {
-    /// Allocates memory for two pieces. This rank has `columns` of the blocks, of which rank `first`
-    /// has the first ones.
+    /// Allocates memory for two pieces. This rank has `columns` of the blocks, of which rank
+    /// `first` has the first ones.
     pub(super) fn new(
         world: &'w World,
         first: usize,

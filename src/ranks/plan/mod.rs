@@ -3,9 +3,10 @@
 //! are tested on one; [`ranks`](super) executes them.
 //!
 //! Three algorithms leave the result distributed ([`TriangleLayout`]): rows of A summed chunk by
-//! chunk ([`Chunks`]), columns of A exchanged so that each pair of them meets once ([`Blocks`]), and
-//! both, where each rank has some rows of some columns ([`Bricks`]). With A and C on one rank there are the algorithm of the thesis ([`TaskTree`]) and
-//! distributed rows ([`row_shares`]). [`choose`] returns the fastest.
+//! chunk ([`Chunks`]), columns of A exchanged so that each pair of them meets once ([`Blocks`]),
+//! and both, where each rank has some rows of some columns ([`Bricks`]). With A and C on one rank
+//! there are the algorithm of the thesis ([`TaskTree`]) and distributed rows ([`row_shares`]).
+//! [`choose`] returns the fastest.
 
 mod blocks;
 mod bricks;
