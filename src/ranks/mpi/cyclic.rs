@@ -45,10 +45,10 @@ pub struct CyclicMut<'a, T> {
 /// The blocks, the first processes and even the grids of A and C may differ. Ranks outside of a
 /// grid hold nothing, but take part in the product. A is redistributed by rows, by columns or by
 /// bricks, whichever costs the fewest words (see [`Parts::new`]), [`ata_rows`], [`ata_columns`] or
-/// [`ata_bricks`] multiplies the parts, and the result is sent to C. Each rank sends about `m n /
-/// P` and `n^2 / (2 P)` words more than these functions do, in at most P - 1 messages each (`n^2 /
-/// P` for both triangles). Beside A and C a rank holds its part of A, as much again as one message
-/// each way, and what the function of the product holds.
+/// [`ata_bricks`] multiplies the parts, and the result is sent to C. Each rank sends about
+/// `m n / P` and `n^2 / (2 P)` words more than these functions do, in at most P - 1 messages each
+/// (`n^2 / P` for both triangles). Beside A and C a rank holds its part of A, as much again as one
+/// message each way, and what the function of the product holds.
 ///
 /// With `beta == 0` C is not read. Otherwise each requested triangle is added to its own old
 /// values, so for [`Uplo::Both`] the old C must be symmetric. C is untouched after any error. The

@@ -293,8 +293,8 @@ mod tests {
         for c in [2, 3, 4, 5, 7, 8, 9, 11, 13] {
             for slices in c - 1..=c + 2 {
                 let ranks = c * (c + 1) * slices;
-                // Triangle blocks: n^2 / ((c + 1) q) words of A, and the sums of n^2 / (2 c (c +
-                // 1)).
+                // Triangle blocks: n^2 / ((c + 1) q) words of A, and a reduction over q ranks of
+                // n^2 / (2 c (c + 1)) sums.
                 let (c, q) = (c as f64, slices as f64);
                 let triangles = 1.0 / ((c + 1.0) * q) + (1.0 - 1.0 / q) / (2.0 * c * (c + 1.0));
                 let p = ranks as f64;
