@@ -98,15 +98,19 @@ pub fn verify<T: MpiReal>(
         let first = held.start.saturating_sub(rows.start).min(rows.len());
         let block =
             widened(own.subrows(first, held.len()), &mut block, &mut norms[columns.clone()]);
-        let out = MatMut::from_row_major_slice_mut(&mut y[of_held.clone()], held.len(), r);
-        kernels.gemm(1.0, block.transpose(), x, 0.0, out);
+        if !held.is_empty() {
+            let out = MatMut::from_row_major_slice_mut(&mut y[of_held.clone()], held.len(), r);
+            kernels.gemm(1.0, block.transpose(), x, 0.0, out);
+        }
         if spread != 0 {
             world.sum(y);
         }
-        let y = MatRef::from_row_major_slice(&y[of_held], held.len(), r);
-        let z = MatMut::from_row_major_slice_mut(&mut z, n, r);
-        let z = z.subrows_mut(columns.start, columns.len());
-        kernels.gemm(-alpha, block, y, 1.0, z);
+        if !held.is_empty() {
+            let y = MatRef::from_row_major_slice(&y[of_held], held.len(), r);
+            let z = MatMut::from_row_major_slice_mut(&mut z, n, r);
+            let z = z.subrows_mut(columns.start, columns.len());
+            kernels.gemm(-alpha, block, y, 1.0, z);
+        }
     }
 
     let corner = (rows.start, columns.start);
