@@ -39,7 +39,9 @@ pub use stream::{AfterBlock, stream};
 pub use strip::Strip;
 pub use verify::verify_rows;
 
+#[cfg(feature = "mpi")]
+pub(crate) use exact::ExactSums;
 pub(crate) use extended::About;
 pub(crate) use format::labels_of;
 #[cfg(feature = "mpi")]
-pub(crate) use stream::exact_sums;
+pub(crate) use stream::{add_exact, exact_sums, no_exact_sums};

@@ -118,10 +118,29 @@ pub(crate) fn exact_sums<T: BlasReal>(
     strip: Range<usize>,
     options: &AtaOptions<'_>,
 ) -> Result<ExactSums<T>> {
-    let mut sums = ExactSums::new(bounds, strip, Shift::No)?;
+    let mut sums = no_exact_sums(bounds, strip)?;
+    add_exact(&mut sums, rows, options)?;
+    Ok(sums)
+}
+
+/// Returns the exact sums of some rows of C, over no rows yet.
+#[cfg(feature = "mpi")]
+pub(crate) fn no_exact_sums<T: BlasReal>(
+    bounds: &RowBounds<T>,
+    strip: Range<usize>,
+) -> Result<ExactSums<T>> {
+    ExactSums::new(bounds, strip, Shift::No)
+}
+
+/// Adds all rows of a source to exact sums.
+#[cfg(feature = "mpi")]
+pub(crate) fn add_exact<T: BlasReal>(
+    sums: &mut ExactSums<T>,
+    rows: &mut (dyn RowBlocks<T> + Send),
+    options: &AtaOptions<'_>,
+) -> Result<()> {
     let height = block_rows::<T>(rows.ncols(), false);
     for_each_block_of(rows, None, height, 0, options, |count, block, weights, pass| {
         sums.add(count, block, weights, false, pass)
-    })?;
-    Ok(sums)
+    })
 }

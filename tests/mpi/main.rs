@@ -4,6 +4,7 @@
 //! Started by cargo, this program starts itself under `mpirun`; `MPIRUN` names another launcher,
 //! and arguments select cases by parts of their names.
 
+mod bricks;
 mod columns;
 #[path = "../common/counting.rs"]
 mod counting;
@@ -48,6 +49,7 @@ fn main() -> ExitCode {
     let cases = [
         rows::CASES,
         columns::CASES,
+        bricks::CASES,
         root::CASES,
         cyclic::CASES,
         verify::CASES,
@@ -59,6 +61,7 @@ fn main() -> ExitCode {
     ];
     let scenes = [
         failures::SCENES,
+        bricks::SCENES,
         root::SCENES,
         cyclic::SCENES,
         ortho::SCENES,

@@ -2,6 +2,7 @@
 
 use faer::{MatMut, MatRef};
 
+use super::bricks::ata_bricks;
 use super::columns::ata_columns;
 use super::memory::append_rows;
 use super::rows::ata_rows;
@@ -42,12 +43,12 @@ pub struct CyclicMut<'a, T> {
 /// triangles of `options.uplo`. This is PDSYRK with TRANS = 'T', of whole matrices.
 ///
 /// The blocks, the first processes and even the grids of A and C may differ. Ranks outside of a
-/// grid hold nothing, but take part in the product. A is redistributed by rows or by columns,
-/// whichever costs fewer words (see [`Parts::new`]), [`ata_rows`] or [`ata_columns`] multiplies the
-/// parts, and the result is sent to C. Each rank sends about `m n / P` and `n^2 / (2 P)` words more
-/// than these functions do, in at most P - 1 messages each (`n^2 / P` for both triangles). Beside A
-/// and C a rank holds its part of A, as much again as one message each way, and what [`ata_rows`]
-/// or [`ata_columns`] holds.
+/// grid hold nothing, but take part in the product. A is redistributed by rows, by columns or by
+/// bricks, whichever costs the fewest words (see [`Parts::new`]), [`ata_rows`], [`ata_columns`] or
+/// [`ata_bricks`] multiplies the parts, and the result is sent to C. Each rank sends about
+/// `m n / P` and `n^2 / (2 P)` words more than these functions do, in at most P - 1 messages each
+/// (`n^2 / P` for both triangles). Beside A and C a rank holds its part of A, as much again as one
+/// message each way, and what the function of the product holds.
 ///
 /// With `beta == 0` C is not read. Otherwise each requested triangle is added to its own old
 /// values, so for [`Uplo::Both`] the old C must be symmetric. C is untouched after any error. The
@@ -146,12 +147,13 @@ fn product<T: MpiReal>(
     let prepared = check(world, a, &c)
         .and_then(|()| Collection::new(Parts::new(a.matrix, world.size()), world));
     let collection = begin(world, given, transposed, alpha, beta, &c, options.uplo, prepared)?;
-    let cut = collection.parts.cut();
+    let (cut, bricks) = (collection.parts.cut(), collection.parts.bricks().clone());
     let (entries, (height, width)) = collection.collect(world, a.entries);
     let part = MatRef::from_column_major_slice(&entries, height, width);
     let result = match cut {
         CutInto::Rows => ata_rows(world, alpha, part, options)?,
         CutInto::Columns => ata_columns(world, alpha, part, options)?,
+        CutInto::Bricks => ata_bricks(world, alpha, &bricks, part, options)?,
     };
     drop(entries);
     deliver(world, &result, beta, c, options.uplo)

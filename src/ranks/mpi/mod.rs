@@ -1,9 +1,11 @@
 //! The execution of the plans, over MPI.
 
+mod bricks;
 mod call;
 mod columns;
 mod cyclic;
 mod deal;
+mod digits;
 mod domains;
 mod eigen;
 mod exchange;
@@ -13,22 +15,26 @@ mod gram;
 mod memory;
 mod node;
 mod ortho;
+mod pairs;
 mod pending_send;
 mod reduction;
 mod requests;
 mod root;
 mod rows;
 mod same;
+mod scatter;
 mod spread;
 mod stream;
 mod symmetric;
 mod tags;
 mod transfer;
+mod travel;
 mod tree;
 mod verify;
 mod version;
 mod world;
 
+pub use bricks::ata_bricks;
 pub use columns::ata_columns;
 pub use cyclic::{CyclicMut, CyclicRef, aat_cyclic, ata_cyclic};
 pub use eigen::eigs;

@@ -6,12 +6,12 @@ use std::ops::Range;
 use faer::prelude::{IntoConst, ReborrowMut};
 use faer::{MatMut, MatRef};
 
+use super::digits::{PARTS, part_of, whole};
 use super::reduction::Reduction;
 use super::stream::joined_bounds;
 use super::symmetric::Symmetric;
 use super::world::{MpiReal, Operation, World, fact, flag, number_fact, scalar_fact};
 use crate::base::{Error, Progress, Result, Workspace, block_rows, reserved};
-use crate::product::exact::Flags;
 use crate::product::{AtaOptions, Uplo, ata_into, atb_into};
 use crate::ranks::plan::{Chunks, TriangleLayout};
 use crate::rows::{DenseRows, RowBounds, exact_sums};
@@ -145,28 +145,6 @@ fn reduce<T: MpiReal, S>(
     drop(reduction);
     world.agree(done)?;
     Ok(Symmetric::new(TriangleLayout::Chunks(chunks), own, entries))
-}
-
-/// Parts in which a sum is sent: 32 bits each, as floating-point numbers whose sums are exact, and
-/// the number of ranks with each kind of terms that are not finite.
-const PARTS: usize = 5;
-
-/// Returns one part of what is sent for entry (i, j).
-fn part_of((c, flags): (i128, Flags), part: usize) -> f64 {
-    match part {
-        0..3 => f64::from((c >> (32 * part)) as u32),
-        3 => f64::from((c >> 96) as i32),
-        // One digit of base 2^16 for each kind of flag: enough for 2^16 ranks.
-        _ => (0..2).map(|bit| f64::from(flags.0 >> bit & 1) * f64::from(16 * bit).exp2()).sum(),
-    }
-}
-
-/// Returns the sum of the parts of all ranks.
-fn whole(parts: &[f64; PARTS]) -> (i128, Flags) {
-    let c = (0..4).map(|part| (parts[part] as i128) << (32 * part)).sum();
-    let counts = parts[4] as u64;
-    let flag = |bit: u32| u8::from(counts >> (16 * bit) & 0xffff != 0) << bit;
-    (c, Flags((0..2).map(flag).sum()))
 }
 
 /// Computes [`ata_rows`] in integers.

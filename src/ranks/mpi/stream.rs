@@ -74,6 +74,29 @@ pub(super) fn joined_bounds<T: MpiReal>(
     Ok(RowBounds::from_parts(bounds, units, weight, rows))
 }
 
+/// Joins the bounds of the parts of all ranks, each of some `columns` of all rows or of a part of
+/// them; A is m x n. Returns those of the `wanted` columns.
+pub(super) fn joined_bounds_of_columns<T: MpiReal>(
+    world: &World,
+    bounds: &RowBounds<T>,
+    columns: std::ops::Range<usize>,
+    (m, n): (usize, usize),
+    wanted: &[usize],
+) -> RowBounds<T> {
+    // Lower bounds, negative upper bounds, and units; those of other columns change nothing.
+    let mut values = vec![f64::INFINITY; 3 * n];
+    for (k, column) in columns.enumerate() {
+        values[column] = bounds.lower()[k].to_f64();
+        values[n + column] = -bounds.upper()[k].to_f64();
+        values[2 * n + column] = bounds.units()[k];
+    }
+    world.least(&mut values);
+    let lower = wanted.iter().map(|&column| T::from_f64(values[column])).collect();
+    let upper = wanted.iter().map(|&column| T::from_f64(-values[n + column])).collect();
+    let units = wanted.iter().map(|&column| values[2 * n + column]).collect();
+    RowBounds::from_parts([lower, upper], units, None, m as u64)
+}
+
 /// Merges the accumulators of all ranks, in a tree of `log2 P` levels that depends on P only.
 /// Returns the sum on rank 0, and `None` on the others. Exact sums on the same bounds
 /// ([`agree_bounds`]) are the same bytes for any P. Beside its own accumulator a rank holds one

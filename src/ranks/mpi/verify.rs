@@ -1,5 +1,7 @@
 //! The probabilistic check of a distributed result.
 
+use std::ops::Range;
+
 use faer::prelude::IntoConst;
 use faer::{MatMut, MatRef};
 
@@ -8,6 +10,7 @@ use super::world::{MpiReal, Operation, World, fact, number_fact};
 use crate::base::{Error, Result, zeros};
 use crate::blas::{self, Kernels};
 use crate::product::{Verification, check_rounds, refuse_non_finite, signs, verdict};
+use crate::ranks::plan::Bricks;
 
 /// A matrix of which every rank holds a part.
 #[derive(Debug, Clone, Copy)]
@@ -17,6 +20,8 @@ pub enum Distributed<'a, T> {
     Rows(MatRef<'a, T>),
     /// Columns in the order of the ranks, as for [`ata_columns`](super::ata_columns).
     Columns(MatRef<'a, T>),
+    /// Some rows of some columns, as for [`ata_bricks`](super::ata_bricks).
+    Bricks(MatRef<'a, T>, &'a Bricks),
 }
 
 /// Rows that are multiplied at once.
@@ -27,7 +32,7 @@ const HEIGHT: usize = 1024;
 ///
 /// Each rank works on its parts of A and C, in O(rounds (m n + n^2) / P), and holds 2 n x rounds
 /// numbers. Vectors of n x rounds entries are summed over the ranks, of m x rounds too when A is
-/// spread by columns; they do not count as traffic.
+/// spread by columns or bricks; they do not count as traffic.
 ///
 /// ```no_run
 /// use catamaran::ranks::{Distributed, World, ata_rows, verify};
@@ -60,61 +65,97 @@ pub fn verify<T: MpiReal>(
         let of_c = (zeros(n * r)?, zeros(n)?);
         Ok((signs(n, rounds, seed), of_c, zeros(HEIGHT * n)?, zeros(HEIGHT * r)?))
     });
-    let (by_columns, own) = match a {
-        Distributed::Rows(rows) => (false, rows),
-        Distributed::Columns(columns) => (true, columns),
+    let (spread, own) = match a {
+        Distributed::Rows(rows) => (0, rows),
+        Distributed::Columns(columns) => (1, columns),
+        Distributed::Bricks(brick, _) => (2, brick),
     };
     let facts = [
         fact("n", n),
-        fact("the distribution of A (0 rows, 1 columns)", usize::from(by_columns)),
+        fact("the distribution of A (0 rows, 1 columns, 2 bricks)", spread),
         fact("the number of rounds", r),
         fact("the seed", seed as usize),
         number_fact("alpha", alpha),
     ];
     let (x, (mut z, mut norms), mut block, mut y) =
         world.begin(Operation::Verify, &facts, prepared)?;
-    let (m, first) = placed(world, n, own.shape(), by_columns)?;
-    let columns = if by_columns { first..first + own.ncols() } else { 0..n };
+    let Placed { m, rows, columns } = placed(world, n, a)?;
 
     add_part(&mut z, c, x.as_ref());
     // - alpha A^T (A X)
     let x = x.subrows(columns.start, columns.len());
     let backend = blas::native();
     let kernels: &dyn Kernels<f64> = backend.as_ref();
-    for start in (0..own.nrows()).step_by(HEIGHT) {
-        let rows = own.subrows(start, HEIGHT.min(own.nrows() - start));
-        let block = widened(rows, &mut block, &mut norms[columns.clone()]);
-        let count = rows.nrows();
-        let y = &mut y[..count * r];
-        let out = MatMut::from_row_major_slice_mut(y, count, r);
-        kernels.gemm(1.0, block.transpose(), x, 0.0, out);
-        if by_columns {
+    // Several ranks have parts of a row, unless A is spread by rows.
+    let all = if spread == 0 { rows.clone() } else { 0..m };
+    for start in all.clone().step_by(HEIGHT) {
+        let chunk = start..all.end.min(start + HEIGHT);
+        let clamped = |row: usize| row.clamp(chunk.start, chunk.end);
+        let held = clamped(rows.start)..clamped(rows.end);
+        let of_held = (held.start - chunk.start) * r..(held.end - chunk.start) * r;
+        let y = &mut y[..chunk.len() * r];
+        y.fill(0.0);
+        let first = held.start.saturating_sub(rows.start).min(rows.len());
+        let block =
+            widened(own.subrows(first, held.len()), &mut block, &mut norms[columns.clone()]);
+        if !held.is_empty() {
+            let out = MatMut::from_row_major_slice_mut(&mut y[of_held.clone()], held.len(), r);
+            kernels.gemm(1.0, block.transpose(), x, 0.0, out);
+        }
+        if spread != 0 {
             world.sum(y);
         }
-        let y = MatRef::from_row_major_slice(y, count, r);
-        let z = MatMut::from_row_major_slice_mut(&mut z, n, r);
-        let z = z.subrows_mut(columns.start, columns.len());
-        kernels.gemm(-alpha, block, y, 1.0, z);
+        if !held.is_empty() {
+            let y = MatRef::from_row_major_slice(&y[of_held], held.len(), r);
+            let z = MatMut::from_row_major_slice_mut(&mut z, n, r);
+            let z = z.subrows_mut(columns.start, columns.len());
+            kernels.gemm(-alpha, block, y, 1.0, z);
+        }
     }
 
-    let corner = if by_columns { (0, first) } else { (first, 0) };
+    let corner = (rows.start, columns.start);
     world.agree(refuse_non_finite(&norms[columns], own, corner))?;
     world.sum(&mut z);
     world.sum(&mut norms);
     Ok(verdict::<T>(alpha, m, MatRef::from_row_major_slice(&z, n, r), &norms))
 }
 
-/// Returns the number of rows of A, and the first row of this rank's part, or its first column.
+/// Where the part of a rank is in A, which has m rows.
+struct Placed {
+    m: usize,
+    rows: Range<usize>,
+    columns: Range<usize>,
+}
+
+/// Returns where the part of this rank is.
 ///
 /// # Errors
 /// [`Error::Shape`] or [`Error::Rank`] on all ranks unless the parts fit together and have n
 /// columns.
-fn placed(
-    world: &World,
-    n: usize,
-    (rows, cols): (usize, usize),
-    by_columns: bool,
-) -> Result<(usize, usize)> {
+fn placed<T>(world: &World, n: usize, a: Distributed<'_, T>) -> Result<Placed> {
+    let (own, by_columns) = match a {
+        Distributed::Rows(rows) => (rows.shape(), false),
+        Distributed::Columns(columns) => (columns.shape(), true),
+        Distributed::Bricks(brick, bricks) => {
+            let (rows, columns) = (bricks.rows(world.rank()), bricks.columns(world.rank()));
+            let m = bricks.m();
+            let fits = Error::check_shape("A", (m, n), (m, bricks.n())).and_then(|()| {
+                let shape = (rows.len(), columns.len());
+                Error::check_shape("this rank's part of A", shape, brick.shape())
+            });
+            // The sums over the ranks are of the same rows.
+            let heights = world.gather_numbers(m);
+            let differs = heights.iter().position(|&other| other != heights[0]);
+            let same = differs.map_or(Ok(()), |rank| {
+                let (m, of_first) = (heights[rank], heights[0]);
+                let why = format!("m is {m}, where rank 0 has {of_first}");
+                Err(Error::Rank { rank, why })
+            });
+            world.agree(fits.and(same))?;
+            return Ok(Placed { m, rows, columns });
+        }
+    };
+    let (rows, cols) = own;
     let parts = world.gather_numbers(if by_columns { cols } else { rows });
     let heights = world.gather_numbers(rows);
     let first: usize = parts[..world.rank()].iter().sum();
@@ -128,7 +169,10 @@ fn placed(
         Error::check_shape("A", (m, n), (rows, n))
     });
     world.agree(fits)?;
-    Ok((m, first))
+    Ok(match by_columns {
+        true => Placed { m, rows: 0..rows, columns: first..first + cols },
+        false => Placed { m, rows: first..first + rows, columns: 0..n },
+    })
 }
 
 /// Adds `C X` for this rank's part of C to Z, by rows.

@@ -507,4 +507,5 @@ pub enum Operation {
     SameShape,
     SameRows,
     SameNumbers,
+    Bricks,
 }

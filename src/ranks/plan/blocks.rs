@@ -4,7 +4,7 @@
 //! difference one block of C (half of one for the difference P / 2, which two ranks see): all
 //! compute the same, and receive `(|D| - 1) m n / P` words, `m n / sqrt(P)` for perfect covers,
 //! which is the lower bound of the two-dimensional case. The triangle-block distribution of Al
-//! Daas, Ballard, Grigori, Kumar and Rouse (2023) is the same with other planes, for P = c (c + 1)
+//! Daas, Ballard, Grigori, Kumar and Rouse (2023) is the same with affine planes, for P = c (c + 1)
 //! only.
 
 use std::ops::Range;
@@ -129,7 +129,7 @@ impl Blocks {
         if on_diagonal { triangle_len(rows) } else { rows * self.columns(product.right).len() }
     }
 
-    pub(super) fn segments(&self, rank: usize) -> impl Iterator<Item = Segment> {
+    pub(crate) fn segments(&self, rank: usize) -> impl Iterator<Item = Segment> {
         self.products(rank).flat_map(move |product| {
             let cols = self.columns(product.right);
             product

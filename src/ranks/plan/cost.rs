@@ -8,8 +8,9 @@
 use std::fmt;
 
 use super::blocks::piece_height;
+use super::bricks::{even_sums, even_words, fewest_accessed};
 use super::chunks::{Chunks, rounds};
-use super::cover::difference_cover;
+use super::cover::cover_len;
 use super::deal::row_shares;
 use super::machine::Machine;
 use super::tree::{PlannedSend, TaskTree, rank_levels};
@@ -22,6 +23,9 @@ pub enum Mode {
     Rows,
     /// Each rank has columns of A, which travel so that each pair meets once.
     Columns,
+    /// Each rank has some rows of some columns, which travel as in [`Mode::Columns`]; sums are
+    /// reduced as in [`Mode::Rows`].
+    Bricks,
     /// One rank has A and gets C: AtA-D.
     Tree,
     /// One rank has A and gets C, and distributes the rows.
@@ -30,14 +34,20 @@ pub enum Mode {
 
 impl Mode {
     /// Every mode and its name on the command line.
-    pub const NAMES: [(&'static str, Self); 4] =
-        [("rows", Self::Rows), ("grid", Self::Columns), ("tree", Self::Tree), ("deal", Self::Deal)];
+    pub const NAMES: [(&'static str, Self); 5] = [
+        ("rows", Self::Rows),
+        ("grid", Self::Columns),
+        ("bricks", Self::Bricks),
+        ("tree", Self::Tree),
+        ("deal", Self::Deal),
+    ];
 
     /// Returns the name of the mode on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Rows => "rows",
             Self::Columns => "grid",
+            Self::Bricks => "bricks",
             Self::Tree => "tree",
             Self::Deal => "deal",
         }
@@ -46,7 +56,7 @@ impl Mode {
     /// Returns where A and C are in this mode.
     pub fn place(self) -> Place {
         match self {
-            Self::Rows | Self::Columns => Place::EveryRank,
+            Self::Rows | Self::Columns | Self::Bricks => Place::EveryRank,
             Self::Tree | Self::Deal => Place::OneRank,
         }
     }
@@ -194,6 +204,7 @@ pub fn predict(mode: Mode, ranks: usize, m: usize, n: usize, machine: &Machine) 
     match mode {
         Mode::Rows => rows(ranks, m, n, machine),
         Mode::Columns => columns(ranks, m, n, machine),
+        Mode::Bricks => bricks(ranks, m, n, machine),
         Mode::Tree => tree(ranks, m, n, machine),
         Mode::Deal => dealt(ranks, m, n, machine),
     }
@@ -207,6 +218,7 @@ pub fn predict(mode: Mode, ranks: usize, m: usize, n: usize, machine: &Machine) 
 /// let machine = Machine::default();
 /// assert_eq!(choose(64, 1_000_000, 100, &machine, Place::EveryRank), Mode::Rows);
 /// assert_eq!(choose(64, 100, 100_000, &machine, Place::EveryRank), Mode::Columns);
+/// assert_eq!(choose(1024, 2000, 2000, &machine, Place::EveryRank), Mode::Bricks);
 /// ```
 pub fn choose(ranks: usize, m: usize, n: usize, machine: &Machine, place: Place) -> Mode {
     let modes = Mode::NAMES.iter().map(|&(_, mode)| mode).filter(|mode| mode.place() == place);
@@ -245,7 +257,7 @@ fn rows(ranks: usize, m: usize, n: usize, machine: &Machine) -> Cost {
 }
 
 fn columns(ranks: usize, m: usize, n: usize, machine: &Machine) -> Cost {
-    let seen = difference_cover(ranks).len();
+    let seen = cover_len(ranks);
     let height = piece_height(m, n, seen);
     let pieces = m.div_ceil(height).max(1);
     let (rows, width) = (m as f64, n.div_ceil(ranks) as f64);
@@ -262,6 +274,28 @@ fn columns(ranks: usize, m: usize, n: usize, machine: &Machine) -> Cost {
     // Each piece is multiplied after its arrival. The reverse order takes as long.
     let seconds = pipeline(computation, communication, pieces);
     Cost { mode: Mode::Columns, words, messages, products, memory, seconds }
+}
+
+fn bricks(ranks: usize, m: usize, n: usize, machine: &Machine) -> Cost {
+    let (columns, slices) = fewest_accessed(ranks, m, n);
+    let [of_a, of_sums] = even_words(columns, slices, m, n);
+    let seen = cover_len(columns);
+    let (height, width) = (m.div_ceil(slices), n.div_ceil(columns) as f64);
+    let piece = piece_height(height, n, seen);
+    let pieces = height.div_ceil(piece).max(1);
+    let sums = even_sums(columns, n);
+    let of_pieces = (seen - 1) as f64 * pieces as f64;
+    let reductions = rounds(slices).len() as f64;
+    let products = height as f64 * sums;
+    // The messages of the reduction are at most as long as the sums, when the pieces are gone.
+    let scratch = width * width + 2.0 * seen as f64 * piece.min(height) as f64 * width;
+    let memory = height as f64 * width + sums + scratch.max(sums);
+    let travel = machine.communication(of_pieces, of_a);
+    // Each piece is multiplied after its arrival, and the last one before the reduction.
+    let seconds = pipeline(machine.computation(products), travel, pieces)
+        + machine.communication(reductions, of_sums);
+    let (words, messages) = (of_a + of_sums, of_pieces + reductions);
+    Cost { mode: Mode::Bricks, words, messages, products, memory, seconds }
 }
 
 fn tree(ranks: usize, m: usize, n: usize, machine: &Machine) -> Cost {
@@ -379,6 +413,8 @@ pub struct Explanation {
     m: usize,
     n: usize,
     costs: [Cost; Mode::NAMES.len()],
+    /// Blocks of columns and slices of rows of [`Mode::Bricks`].
+    bricks: (usize, usize),
     /// Words and messages of process 0 of AtA-D, both ways.
     process_0: [usize; 2],
     spread: Mode,
@@ -394,7 +430,8 @@ impl Explanation {
             [load.words_sent + load.words_received, load.messages_sent + load.messages_received];
         let [spread, one_rank] =
             [Place::EveryRank, Place::OneRank].map(|place| choose(ranks, m, n, machine, place));
-        Self { ranks, m, n, costs, process_0, spread, one_rank }
+        let bricks = fewest_accessed(ranks, m, n);
+        Self { ranks, m, n, costs, bricks, process_0, spread, one_rank }
     }
 
     /// Returns the cost of each mode, in the order of [`Mode::NAMES`].
@@ -411,14 +448,14 @@ impl fmt::Display for Explanation {
         writeln!(f, "lower bound ({dimensions}-D): {least:.3e} words per rank")?;
         writeln!(
             f,
-            "{:<5} {:>10} {:>8} {:>9} {:>10} {:>10} {:>10}",
+            "{:<6} {:>10} {:>8} {:>9} {:>10} {:>10} {:>10}",
             "mode", "words/rank", "x bound", "messages", "flops", "memory", "seconds"
         )?;
         for cost in &self.costs {
             let times = if least > 0.0 { format!("{:.2}", cost.words / least) } else { "-".into() };
             writeln!(
                 f,
-                "{:<5} {:>10.3e} {:>8} {:>9} {:>10.3e} {:>10.3e} {:>10.3e}",
+                "{:<6} {:>10.3e} {:>8} {:>9} {:>10.3e} {:>10.3e} {:>10.3e}",
                 cost.mode,
                 cost.words,
                 times,
@@ -428,6 +465,8 @@ impl fmt::Display for Explanation {
                 cost.seconds
             )?;
         }
+        let (columns, slices) = self.bricks;
+        writeln!(f, "bricks: {slices} slices of rows, {columns} blocks of columns")?;
         let (messages, words) = proposition_8_3(ranks, m, n);
         let [words_0, messages_0] = self.process_0;
         let words_0 = words_0 as f64;
@@ -444,7 +483,7 @@ impl fmt::Display for Explanation {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ranks::plan::{Blocks, Load};
+    use crate::ranks::plan::{Blocks, Bricks, Load};
 
     const SHAPES: [(usize, usize); 6] =
         [(0, 5), (7, 0), (1, 1), (1000, 1000), (600_000, 500), (300, 20_000)];
@@ -525,6 +564,13 @@ mod tests {
             let entries = (0..ranks).map(|rank| blocks.len(rank)).max().unwrap();
             assert_eq!(columns.products, (entries * m) as f64);
 
+            let bricks = Bricks::new(ranks, m, n);
+            let planned = predict(Mode::Bricks, ranks, m, n, &machine);
+            let sent = (0..ranks).map(|rank| bricks.words(rank).0).max().unwrap() as f64;
+            assert!(sent <= planned.words + 1.0, "{ranks}: {sent} of {}", planned.words);
+            // Rows and columns that can't be divided evenly.
+            assert!(sent >= 0.95 * planned.words, "{ranks}: {sent} of {}", planned.words);
+
             let root = predict(Mode::Tree, ranks, m, n, &machine);
             let loads = TaskTree::new(m, n, ranks).loads();
             let Load { words_sent, words_received, .. } = loads[0];
@@ -576,6 +622,13 @@ mod tests {
         let choice = |p, m, n, place| choose(p, m, n, &machine, place);
         assert_eq!(choice(64, 100_000_000, 1000, Place::EveryRank), Mode::Rows);
         assert_eq!(choice(64, 1000, 100_000, Place::EveryRank), Mode::Columns);
+        // Squares on so many ranks that words count beside the products.
+        for (p, n) in [(64, 500), (96, 500), (1024, 1000), (1024, 4000), (4096, 8000)] {
+            assert_eq!(choice(p, n, n, Place::EveryRank), Mode::Bricks, "{n} on {p} ranks");
+            let words = |mode| predict(mode, p, n, n, &machine).words;
+            let [rows, columns, bricks] = [Mode::Rows, Mode::Columns, Mode::Bricks].map(words);
+            assert!(bricks < 0.6 * rows.min(columns), "{n} on {p} ranks");
+        }
         assert_eq!(choice(4, 600_000, 500, Place::OneRank), Mode::Deal);
         for (m, n) in [(600_000, 500), (20_000, 2000)] {
             for p in [2, 3, 4, 8, 64] {

@@ -9,9 +9,11 @@
 
 use std::ops::Range;
 
-use super::cover::difference_cover;
+use super::bricks::Bricks;
+use super::cost::{Mode, predict};
 use super::layout::TriangleLayout;
-use crate::base::{Error, Result, even_part, triangle_len};
+use super::machine::Machine;
+use crate::base::{Error, Result, even_part};
 use crate::product::Uplo;
 
 /// The only type of descriptor that ScaLAPACK has for dense matrices.
@@ -342,9 +344,12 @@ pub enum CutInto {
     Rows,
     /// Every rank gets some columns, for [`Blocks`](super::Blocks).
     Columns,
+    /// Ranks get some rows of some columns, for [`Bricks::new`].
+    Bricks,
 }
 
-/// A block-cyclic A, m x n, as about equal parts of rows, or of columns, one for each rank.
+/// A block-cyclic A, m x n, as about equal parts of rows, of columns, or of both, one for each
+/// rank; some ranks may have none of [`Bricks`].
 ///
 /// The order of rows does not matter to a product. Rows are counted here by one row of the grid
 /// after another, so that the part of a rank and the entries that another one holds have a
@@ -366,6 +371,7 @@ pub struct Parts {
     matrix: BlockCyclic,
     ranks: usize,
     cut: CutInto,
+    bricks: Bricks,
     /// Where the rows of each row of the grid begin in this order, and the end.
     starts: Vec<usize>,
 }
@@ -394,22 +400,29 @@ impl Piece {
 }
 
 impl Parts {
-    /// Creates the parts of the cut after which fewer words travel.
+    /// Creates the parts of the cut with which the fewest words travel, the redistribution
+    /// included. [`Bricks`] must be faster too, as [`predict`] says for [`Machine::default`],
+    /// because they may leave ranks without work.
     ///
-    /// On a grid of Q columns, P ranks in all, that is `m n / P (1 - 1/Q)` words for each rank and
-    /// the reduction of a triangle, `(1 - 1/P) n (n + 1) / 2`, for rows; `m n / P` and
-    /// `(|D| - 1) m n / P` for columns, D a [`difference_cover`].
+    /// To the words of the product come, for each of P ranks, `m n / P (1 - 1/Q)` for rows, where
+    /// the grid has Q columns, `m n / P` for columns, and `m n / B` for B bricks.
     pub fn new(matrix: BlockCyclic, ranks: usize) -> Self {
         let (m, n) = matrix.shape();
-        let entries = m as f64 * n as f64;
-        let rows = entries * (1.0 - 1.0 / matrix.grid.cols as f64)
-            + triangle_len(n) as f64 * (ranks as f64 - 1.0);
-        let columns = entries * difference_cover(ranks).len() as f64;
-        Self::with_cut(
-            matrix,
-            ranks,
-            if rows <= columns { CutInto::Rows } else { CutInto::Columns },
-        )
+        let machine = Machine::default();
+        let [rows, columns, bricks] = [Mode::Rows, Mode::Columns, Mode::Bricks]
+            .map(|mode| predict(mode, ranks, m, n, &machine));
+        let share = m as f64 * n as f64 / ranks as f64;
+        let of_rows = rows.words + share * (1.0 - 1.0 / matrix.grid.cols as f64);
+        let of_columns = columns.words + share;
+        let (cut, words, seconds) = if of_rows <= of_columns {
+            (CutInto::Rows, of_rows, rows.seconds)
+        } else {
+            (CutInto::Columns, of_columns, columns.seconds)
+        };
+        let parts = Self::with_cut(matrix, ranks, cut);
+        let of_bricks = bricks.words + share * ranks as f64 / parts.bricks.used() as f64;
+        let is_better = of_bricks < words && bricks.seconds < seconds;
+        if is_better { Self { cut: CutInto::Bricks, ..parts } } else { parts }
     }
 
     /// Creates the parts of this cut.
@@ -418,12 +431,18 @@ impl Parts {
         for row in 0..matrix.grid.rows {
             starts.push(starts[row] + matrix.rows.count(row));
         }
-        Self { matrix, ranks, cut, starts }
+        let bricks = Bricks::new(ranks, matrix.rows.len, matrix.cols.len);
+        Self { matrix, ranks, cut, bricks, starts }
     }
 
-    /// Returns whether the parts are rows or columns.
+    /// Returns whether the parts are rows, columns or bricks.
     pub fn cut(&self) -> CutInto {
         self.cut
+    }
+
+    /// Returns the bricks of [`CutInto::Bricks`].
+    pub fn bricks(&self) -> &Bricks {
+        &self.bricks
     }
 
     /// Returns the number of rows and of columns of the part of `rank`.
@@ -436,6 +455,7 @@ impl Parts {
         match self.cut {
             CutInto::Rows => 0..self.matrix.cols.len,
             CutInto::Columns => even_part(0..self.matrix.cols.len, self.ranks, rank),
+            CutInto::Bricks => self.bricks.columns(rank),
         }
     }
 
@@ -444,6 +464,7 @@ impl Parts {
         let m = self.matrix.rows.len;
         match (self.cut, self.matrix.grid.place(rank)) {
             (CutInto::Columns, _) => 0..m,
+            (CutInto::Bricks, _) => self.bricks.rows(rank),
             // So that the ranks of one row of the grid follow each other, however they are
             // numbered.
             (CutInto::Rows, Some((row, col))) => {
@@ -704,8 +725,8 @@ mod tests {
     fn every_entry_of_a_is_sent_to_one_part_and_rows_stay_together() {
         for shape in [(0, 3), (5, 0), (1, 1), (7, 5), (13, 11)] {
             for matrix in matrices(shape) {
-                for (ranks, cut) in [(6, CutInto::Rows), (6, CutInto::Columns), (7, CutInto::Rows)]
-                {
+                let cuts = [(6, CutInto::Rows), (6, CutInto::Columns), (7, CutInto::Rows)];
+                for (ranks, cut) in cuts.into_iter().chain([(18, CutInto::Bricks)]) {
                     let parts = Parts::with_cut(matrix, ranks, cut);
                     let mut seen = vec![0; shape.0 * shape.1];
                     for to in 0..ranks {
@@ -740,7 +761,7 @@ mod tests {
     }
 
     #[test]
-    fn tall_matrices_are_cut_into_rows_and_square_ones_into_columns() {
+    fn tall_matrices_are_cut_into_rows_and_square_ones_into_columns_or_bricks() {
         let cut = |m, n, side| {
             let grid = Grid::new(side, side, GridOrder::Rows).unwrap();
             let matrix = BlockCyclic::new("A", (m, n), (64, 64), (0, 0), grid).unwrap();
@@ -751,6 +772,8 @@ mod tests {
         assert_eq!(cut(10_000, 10_000, 4), CutInto::Columns);
         assert_eq!(cut(500, 600_000, 4), CutInto::Columns);
         assert_eq!(cut(0, 0, 1), CutInto::Rows);
+        // Words count beside the products.
+        assert_eq!(cut(500, 500, 8), CutInto::Bricks);
     }
 
     #[test]
@@ -760,7 +783,12 @@ mod tests {
                 let widths: Vec<usize> =
                     (0..ranks).map(|r| even_part(0..n, ranks, r).len()).collect();
                 let chunks = Chunks::with_count(n, ranks, 2);
-                [TriangleLayout::Chunks(chunks), TriangleLayout::Blocks(Blocks::new(&widths))]
+                let bricks = Bricks::with_counts(ranks, (9, n), 3, 2).unwrap();
+                [
+                    TriangleLayout::Chunks(chunks),
+                    TriangleLayout::Blocks(Blocks::new(&widths)),
+                    TriangleLayout::Bricks(bricks),
+                ]
             };
             for target in matrices((n, n)) {
                 for ranks in [6, 7] {

@@ -1,4 +1,5 @@
 use super::blocks::Blocks;
+use super::bricks::Bricks;
 use super::chunks::Chunks;
 use super::segment::Segment;
 
@@ -24,6 +25,8 @@ pub enum TriangleLayout {
     Chunks(Chunks),
     /// Rectangular blocks and triangles on the diagonal.
     Blocks(Blocks),
+    /// Such blocks, each cut evenly over several ranks.
+    Bricks(Bricks),
 }
 
 impl TriangleLayout {
@@ -32,6 +35,7 @@ impl TriangleLayout {
         match self {
             Self::Chunks(chunks) => chunks.n(),
             Self::Blocks(blocks) => blocks.n(),
+            Self::Bricks(bricks) => bricks.n(),
         }
     }
 
@@ -40,6 +44,7 @@ impl TriangleLayout {
         match self {
             Self::Chunks(chunks) => chunks.ranks(),
             Self::Blocks(blocks) => blocks.ranks(),
+            Self::Bricks(bricks) => bricks.ranks(),
         }
     }
 
@@ -48,6 +53,7 @@ impl TriangleLayout {
         match self {
             Self::Chunks(chunks) => Box::new(chunks.segments(rank)),
             Self::Blocks(blocks) => Box::new(blocks.segments(rank)),
+            Self::Bricks(bricks) => Box::new(bricks.segments(rank)),
         }
     }
 
@@ -56,6 +62,7 @@ impl TriangleLayout {
         match self {
             Self::Chunks(chunks) => chunks.len(rank),
             Self::Blocks(blocks) => blocks.len(rank),
+            Self::Bricks(bricks) => bricks.len(rank),
         }
     }
 }

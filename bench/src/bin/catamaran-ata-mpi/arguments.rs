@@ -76,12 +76,13 @@ const OUTPUT: &str = "Output";
 
 const AFTER: &str = "\
 Modes:
-  rows   rows of A on every rank, C stays distributed      tall A
-  grid   columns of A on every rank, C stays distributed   square and wide A
-  auto   the faster one of rows and grid, as predicted
-  tree   A and C on rank 0, by AtA-D (the thesis)
-  deal   A and C on rank 0, rows are dealt
-  root   the faster one of tree and deal, as predicted
+  rows    rows of A on every rank, C stays distributed      tall A
+  grid    columns of A on every rank, C stays distributed   square and wide A
+  bricks  rows of columns of A, C stays distributed         square A, many ranks
+  auto    the fastest one of rows, grid and bricks, as predicted
+  tree    A and C on rank 0, by AtA-D (the thesis)
+  deal    A and C on rank 0, rows are dealt
+  root    the faster one of tree and deal, as predicted
 
 Units:
   seconds of wall time; GFLOP/s of m n^2 operations, whatever the scheme does;
@@ -117,7 +118,7 @@ impl std::str::FromStr for Choice {
             (Some((_, mode)), _) => Ok(Self::Named(*mode)),
             (None, "auto") => Ok(Self::Best(Place::EveryRank)),
             (None, "root") => Ok(Self::Best(Place::OneRank)),
-            _ => Err("no such mode, must be rows, grid, auto, tree, deal or root".into()),
+            _ => Err("no such mode, must be rows, grid, bricks, auto, tree, deal or root".into()),
         }
     }
 }
@@ -198,7 +199,9 @@ mod tests {
         assert!(refused(&["-n", "-3"]).contains("-3"));
         assert!(refused(&["--threads", "0"]).contains("'0' for '--threads"));
         assert!(refused(&["--repeat", "0"]).contains("'0' for '--repeat"));
-        assert!(refused(&["--mode", "square"]).contains("rows, grid, auto, tree, deal or root"));
+        assert!(
+            refused(&["--mode", "square"]).contains("rows, grid, bricks, auto, tree, deal or root")
+        );
         assert!(refused(&["--rival", "dsyrk"]).contains("pdsyrk=PATH"));
         assert!(refused(&["--scheme", "ata9"]).contains("ata9"));
         assert!(refused(&["--scaling", "s", "--check"]).contains("--check"));

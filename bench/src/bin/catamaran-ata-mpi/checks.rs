@@ -3,7 +3,7 @@
 use std::fmt;
 
 use catamaran::base::triangle_len;
-use catamaran::ranks::plan::{Chunks, Machine, Mode, difference_cover, predict};
+use catamaran::ranks::plan::{Bricks, Chunks, Machine, Mode, difference_cover, predict};
 use catamaran_bench::input::Shape;
 
 use crate::job::Job;
@@ -92,6 +92,16 @@ fn unevenness(mode: Mode, ranks: usize, m: usize, n: usize) -> usize {
         Mode::Columns if n.is_multiple_of(ranks) => 0,
         // A rank may see one column less of each of the others.
         Mode::Columns => (difference_cover(ranks).len() - 1) * m,
+        Mode::Bricks => {
+            let bricks = Bricks::new(ranks, m, n);
+            let (columns, slices) = (bricks.blocks().ranks(), bricks.slices());
+            let is_even = n.is_multiple_of(columns) && m.is_multiple_of(slices);
+            let seen = difference_cover(columns).len();
+            // A row or a column less of each block, and its sums; a word of each part of the sums.
+            let less = (seen - 1) * (m.div_ceil(slices) + n.div_ceil(columns)) + n + 1;
+            let in_parts = if bricks.blocks().len(0).is_multiple_of(slices) { 0 } else { slices };
+            if is_even { in_parts } else { less + in_parts }
+        }
     }
 }
 

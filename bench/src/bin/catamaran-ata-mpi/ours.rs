@@ -5,8 +5,10 @@ use std::path::Path;
 
 use catamaran::io::RowFile;
 use catamaran::product::{Verification, verify};
-use catamaran::ranks::plan::{Mode, Place};
-use catamaran::ranks::{MpiReal, Symmetric, World, ata_columns, ata_deal, ata_rows, ata_tree};
+use catamaran::ranks::plan::{Bricks, Mode, Place};
+use catamaran::ranks::{
+    MpiReal, Symmetric, World, ata_bricks, ata_columns, ata_deal, ata_rows, ata_tree,
+};
 use catamaran::rows::RowBlocks;
 use catamaran::{AtaOptions, Uplo, ranks};
 use catamaran_bench::Result;
@@ -24,6 +26,8 @@ pub struct Ours<'w, T> {
     world: &'w World,
     job: Job,
     options: AtaOptions<'static>,
+    /// Those of the mode `bricks`.
+    bricks: Bricks,
     /// The rows and columns of A that this rank has.
     part: [Range<usize>; 2],
     /// These parts of A, row-major.
@@ -45,11 +49,13 @@ impl<'w, T: MpiReal> Ours<'w, T> {
             start(world.rank())..start(world.rank() + 1)
         };
         let is_root = world.rank() == ROOT;
+        let bricks = Bricks::new(world.size(), m, n);
         let part = match job.mode {
             Mode::Tree | Mode::Deal if is_root => [0..m, 0..n],
             Mode::Tree | Mode::Deal => [0..0, 0..n],
             Mode::Rows => [share(m), 0..n],
             Mode::Columns => [0..m, share(n)],
+            Mode::Bricks => [bricks.rows(world.rank()), bricks.columns(world.rank())],
         };
         let [rows, cols] = &part;
         let mut a = filled(rows.len(), cols.len(), |i, j| match file {
@@ -63,7 +69,7 @@ impl<'w, T: MpiReal> Ours<'w, T> {
         let side = if job.mode.place() == Place::OneRank && is_root { n } else { 0 };
         let c = filled(side, side, |_, _| T::from_f64(f64::NAN))?;
         let options = job.options();
-        Ok(Self { world, job, options, part, a, c, result: None })
+        Ok(Self { world, job, options, bricks, part, a, c, result: None })
     }
 
     /// Drops the previous result, or makes it invalid.
@@ -92,6 +98,9 @@ impl<'w, T: MpiReal> Ours<'w, T> {
             Mode::Columns => {
                 self.result = Some(ata_columns(world, one, a, &self.options)?);
             }
+            Mode::Bricks => {
+                self.result = Some(ata_bricks(world, one, &self.bricks, a, &self.options)?);
+            }
         }
         Ok(())
     }
@@ -105,6 +114,7 @@ impl<'w, T: MpiReal> Ours<'w, T> {
         let a = view(&self.a, &self.part);
         let distributed = match self.job.mode {
             Mode::Rows => ranks::Distributed::Rows(a),
+            Mode::Bricks => ranks::Distributed::Bricks(a, &self.bricks),
             _ => ranks::Distributed::Columns(a),
         };
         let (n, seed) = (self.job.shape.n, self.job.seed);
