@@ -214,6 +214,24 @@ def test_values_of_freesurfer_are_read(tmp_path, name):
     assert list(values) == [ending] and np.array_equal(values[ending], v[:, 0])
 
 
+@pytest.mark.parametrize("name", ["lh.thickness.mgh", "lh.thickness.mgz"])
+@pytest.mark.parametrize("kind", [np.float32, np.int32, np.int16, np.uint8])
+@pytest.mark.parametrize("frames", [1, 3])
+def test_values_of_mgh_are_read(tmp_path, name, kind, frames):
+    nibabel = pytest.importorskip("nibabel")
+    rng = np.random.default_rng(frames)
+    values = (100 * rng.random((96, 1, 1, frames))).astype(kind)
+    values = values if frames > 1 else values[..., 0]
+    image = nibabel.freesurfer.MGHImage(values, np.eye(4))
+    nibabel.save(image, tmp_path / name)
+    found = catamaran.read_scalars(tmp_path / name)
+    columns = values.reshape(96, frames)
+    names = ["thickness"] if frames == 1 else [f"thickness.{k}" for k in range(frames)]
+    assert list(found) == names
+    for k, own in enumerate(names):
+        assert np.array_equal(found[own], columns[:, k])
+
+
 @pytest.mark.parametrize("labels, unknown", [(1, 0), (2, 3), (3, 0), (7, 5), (36, 100)])
 def test_labels_of_freesurfer_are_read(tmp_path, labels, unknown):
     nibabel = pytest.importorskip("nibabel")

@@ -150,6 +150,10 @@ fn headers_of_ply_may_have_other_line_ends_blanks_and_lines() {
             (header.replace('\n', "\r\n"), rest.to_vec()),
             (header.replace('\n', " \n"), rest.to_vec()),
             (header.replace('\n', "\t \r\n"), rest.to_vec()),
+            (header.replacen("ply", "PLY", 1), rest.to_vec()),
+            (header.replacen("ply", "PLY", 1).replace('\n', "\r"), returned(rest)),
+            (changed(&header, " 1.0\n", "\n"), rest.to_vec()),
+            (changed(&header, " 1.0\n", " 1\n"), rest.to_vec()),
         ] {
             assert!(whole(&with(header, &rest), format).notes.is_empty());
         }
@@ -338,6 +342,7 @@ fn stl_as_text_may_have_capitals_comments_colours_and_no_end() {
         changed(&text, "facet normal", "Facet Normal"),
         changed(&text, "solid\nfacet", "solid a b\n\n\n  facet"),
         changed(&text, "solid\nfacet", "solid a\nendsolid a\nfacet"),
+        changed(&text, "solid\nfacet", "solid a facet normal\nfacet"),
         // In one line, also with a second solid, or a line for each facet.
         text.replace('\n', " "),
         changed(&text, "solid\nfacet", "solid facet of a\nendsolid a solid b\nfacet")
@@ -362,6 +367,7 @@ fn stl_as_text_may_have_capitals_comments_colours_and_no_end() {
         (changed(&text, "endloop\n", "endloop\n color 1 0 0\n"), skipped),
         (changed(&text, "endsolid", ""), "the last solid has no endsolid"),
         (text.lines().map(|line| vertex_colour(line) + "\n").collect(), "left out words after"),
+        (text.replace("endfacet\n", ""), "took facets without an endfacet"),
     ] {
         let file = whole(text.as_bytes(), STL_TEXT);
         note(&file, said);
