@@ -167,6 +167,11 @@ impl<'a> Source<'a> {
         }
     }
 
+    /// Returns the bytes of memory that the file may take.
+    pub fn memory(&self) -> u64 {
+        self.memory
+    }
+
     /// Returns an error when `what`, which takes the memory of `len` values of T, exceeds the
     /// memory that this file may take.
     #[doc(hidden)]
