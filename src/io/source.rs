@@ -125,7 +125,7 @@ impl<'a> Source<'a> {
     }
 
     /// Returns the bytes of memory that the file may take.
-    pub(super) fn memory(&self) -> u64 {
+    pub fn memory(&self) -> u64 {
         self.memory
     }
 
@@ -165,11 +165,6 @@ impl<'a> Source<'a> {
             self.reader.consume(count);
             self.check_memory::<u8>("the file", needed)?;
         }
-    }
-
-    /// Returns the bytes of memory that the file may take.
-    pub fn memory(&self) -> u64 {
-        self.memory
     }
 
     /// Returns an error when `what`, which takes the memory of `len` values of T, exceeds the

@@ -154,6 +154,7 @@ fn headers_of_ply_may_have_other_line_ends_blanks_and_lines() {
             (header.replacen("ply", "PLY", 1).replace('\n', "\r"), returned(rest)),
             (changed(&header, " 1.0\n", "\n"), rest.to_vec()),
             (changed(&header, " 1.0\n", " 1\n"), rest.to_vec()),
+            (header.replace("float ", "FLOAT ").replace("double ", "Double "), rest.to_vec()),
         ] {
             assert!(whole(&with(header, &rest), format).notes.is_empty());
         }
@@ -437,6 +438,7 @@ fn off_is_read_with_counts_after_its_name_and_with_any_dimension() {
         with(format!("OFF{vertices} {faces} 0\n"), &same),
         with(format!("\t  OFF{vertices} {faces} 0 # so\n"), &same),
         with(format!("OFF {vertices} {faces} 0\n"), &same),
+        with(format!("OFF\n{vertices} {faces} -1\n"), &same),
         with(format!("4OFF\n{vertices} {faces} 0\n"), &|row| format!("{row} 1.0")),
         with(format!("nOFF\n3\n{vertices} {faces} 0\n"), &same),
         with(format!("nOFF 3\n{vertices} {faces} 0\n"), &same),

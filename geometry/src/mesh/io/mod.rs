@@ -78,16 +78,16 @@ use catamaran::io::{Output, Packing, Source, SourceOptions};
 ///   binary file has no number of facets, its size decides.
 /// - `.glb`, `.gltf`: the triangles of the scene, at the places of its nodes and their instances,
 ///   with the morph targets that have a weight; skinned meshes as they are modelled. Vertices of a
-///   mesh with equal positions and colours become one. An extension that a file requires is
-///   supported or an error.
+///   mesh with equal positions and colours become one. Numbers may be packed by Draco or
+///   meshoptimizer. An extension that a file requires is supported or an error.
 /// - `.vtk`, `.vtp`, `.vtu`: the faces of polygons and unstructured grids, and the values of their
-///   points; text, binary, and XML packed by zlib or LZ4.
+///   points; text, binary, and XML packed by zlib, LZ4 or LZMA.
 /// - `.gii`: points, triangles and values of vertices (GIFTI).
 /// - `.white`, `.pial` and others: surfaces of FreeSurfer, of triangles and of quadrilaterals, also
 ///   as text (`.asc`).
 /// - `.msh`: the faces of Gmsh's versions 2 and 4.1, text and binary, and of 1 and 4.0 as text, and
 ///   values of nodes.
-/// - `.3mf`: the objects of the build in their places, in millimetres.
+/// - `.3mf`: the objects of the build in their places, in millimetres, without supports.
 ///
 /// What is left out or replaced is in [`MeshFile::notes`].
 ///
