@@ -346,13 +346,12 @@ fn name_of_values(path: &Path) -> String {
 /// ```
 pub fn holds_scalars(path: &Path) -> bool {
     let ending = MeshFormat::ending(path);
-    let mesh = matches!(&ending[..], "gii" | "vtk" | "vtp" | "vtu" | "msh");
     // What is read from a pipe is gone.
     let by_content = || {
         path.is_file()
             && detected(path, &SourceOptions::new()).is_ok_and(|(_, content)| content.is_known())
     };
-    mesh || names_values(&ending) || by_content()
+    formats::has_functions(&ending) || names_values(&ending) || by_content()
 }
 
 /// Returns whether files whose names end so are values of vertices, of FreeSurfer.
