@@ -221,6 +221,18 @@ fn broken_streams_of_draco_are_refused_by_name() {
         let refused = refusal(text.replace(old, new).as_bytes(), GLTF).1;
         assert!(refused.contains(said), "{new}: {refused}");
     }
+    // Primitives may share a stream, but not the accessors of two streams.
+    let two = |view: u32| {
+        let second = r#""bufferViews": [{"buffer": 0, "byteLength": 76}, "#;
+        let text = text.replace("\"bufferViews\": [", second);
+        let (head, primitive) = text.split_once("\"primitives\": [").unwrap();
+        let primitive = primitive.strip_suffix("]}]}").unwrap();
+        let other = primitive.replace("\"bufferView\": 0", &format!("\"bufferView\": {view}"));
+        format!("{head}\"primitives\": [{primitive}, {other}]}}]}}")
+    };
+    assert_eq!(read_bytes(two(0).as_bytes(), GLTF).unwrap().mesh.faces().len(), 4);
+    let refused = refusal(two(1).as_bytes(), GLTF).1;
+    assert!(refused.contains("is packed in two views"), "{refused}");
     // No change of a byte stops the reader.
     for (stream, id) in [(CONNECTED, 0), (LISTED, 3)] {
         let bytes = STANDARD.decode(stream).unwrap();

@@ -165,6 +165,35 @@ fn triangle_strips_of_vtk_alternate() {
 }
 
 #[test]
+fn grids_of_vtk_with_one_side_of_one_point_are_surfaces() {
+    let grid = |sides: &str, points: &str| {
+        let head = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET STRUCTURED_GRID\nDIMENSIONS";
+        format!("{head} {sides}\nPOINTS 6 float\n{points}\n").into_bytes()
+    };
+    let points = "0 0 0 1 0 0 2 0 1 0 1 0 1 1 0 2 1 1";
+    let values = format!(
+        "{points}\nPOINT_DATA 6\nSCALARS h float\nLOOKUP_TABLE default\n{}",
+        "1 2 ".repeat(3)
+    );
+    for sides in ["3 2 1", "3 1 2", "1 3 2"] {
+        let file = read_bytes(&grid(sides, &values), VTK).unwrap();
+        let faces = [[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]];
+        assert_eq!((file.mesh.vertices().len(), file.mesh.faces()), (6, &faces[..]), "{sides}");
+        assert_eq!(file.scalars[0].values, [1.0, 2.0, 1.0, 2.0, 1.0, 2.0]);
+    }
+    for (sides, what) in [
+        ("6 1 1", "a structured grid of volumes or lines is not a surface"),
+        ("3 3 1", "6 points of a grid of 3 x 3 x 1"),
+        ("3 9999999999 9999999999", "6 points of a grid of 3 x 9999999999"),
+    ] {
+        let said = refused(&grid(sides, points), VTK);
+        assert!(said.contains(what), "{said}");
+    }
+    let lacks = String::from_utf8(grid("", points)).unwrap().replace("DIMENSIONS \n", "");
+    assert!(refused(lacks.as_bytes(), VTK).contains("lacks its DIMENSIONS"));
+}
+
+#[test]
 fn errors_in_vtk_name_the_line_and_the_culprit() {
     let head = "# vtk DataFile Version 3.0\n\nASCII\n";
     let points = "DATASET POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\n";

@@ -103,21 +103,20 @@ impl Content {
         source: &Source<'_>,
     ) -> Checked<BTreeMap<usize, Result<Vec<f64>, String>>> {
         let mut decoded = BTreeMap::new();
-        // Primitives with other materials may share a stream.
-        let mut streams = BTreeMap::new();
+        // The view that has the numbers of an accessor: primitives with other materials may share
+        // a stream.
+        let mut views = BTreeMap::new();
         let mut total = 0usize;
         for primitive in self.document.meshes.iter().flat_map(|mesh| &mesh.primitives) {
             let Some(packed) = &primitive.extensions.draco else { continue };
-            let named = primitive.attributes.named().map(|(_, accessor)| accessor);
-            let mut own = named.chain(primitive.indices);
-            if own.all(|accessor| self.is_stored(accessor).unwrap_or(true)) {
-                continue;
-            }
-            let Some(indices) = primitive.indices else { continue };
-            if let Some(other) = streams.insert(indices, packed.buffer_view) {
-                if other != packed.buffer_view {
-                    return Err(format!("accessor {indices} is packed in two views").into());
-                }
+            let view = packed.buffer_view;
+            let own = || {
+                let named = primitive.attributes.named().map(|(_, accessor)| accessor);
+                named.chain(primitive.indices)
+            };
+            let is_stored = |accessor: usize| self.is_stored(accessor).unwrap_or(true);
+            let is_known = |accessor: usize| views.get(&accessor) == Some(&view);
+            if primitive.indices.is_none() || own().all(is_stored) || own().all(is_known) {
                 continue;
             }
             let numbers: Vec<_> = match self.unpack_primitive(primitive, packed, source.memory()) {
@@ -125,12 +124,15 @@ impl Content {
                 // A primitive of no node may be broken.
                 Err(Fault::What(what)) => {
                     let what = format!("{}: {what}", draco::NAME);
-                    let named = primitive.attributes.named().map(|(_, accessor)| accessor);
-                    named.chain([indices]).map(|accessor| (accessor, Err(what.clone()))).collect()
+                    own().map(|accessor| (accessor, Err(what.clone()))).collect()
                 }
                 Ok(numbers) => numbers.into_iter().map(|(i, values)| (i, Ok(values))).collect(),
             };
             for (accessor, values) in numbers {
+                if views.insert(accessor, view).is_some_and(|other| other != view) {
+                    let what = format!("accessor {accessor} is packed in two views");
+                    return Err(format!("{}: {what}", draco::NAME).into());
+                }
                 total = total.saturating_add(values.as_ref().map_or(0, Vec::len));
                 source.check_memory::<f64>("what Draco unpacks to", total)?;
                 decoded.insert(accessor, values);
