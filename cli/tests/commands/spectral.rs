@@ -885,7 +885,7 @@ fn functions_are_those_of_a_mesh_file_or_of_freesurfer() {
     let mut mgh = [1u32, 162, 1, 1, 1, 3, 0].map(u32::to_be_bytes).concat();
     mgh.resize(284, 0);
     let curv = std::fs::read(folder.path("lh.thickness")).unwrap();
-    folder.write("lh.thickness.mgh", [&mgh, &curv[15..]].concat());
+    folder.write("lh.thickness.mgh", [&mgh[..], &curv[15..]].concat());
     assert_eq!(smooth("lh.thickness.mgh", "mgh.npy"), by_thickness);
     // Heights are a combination of the first three eigenfunctions.
     // The content decides: these names are those of a surface, of a table and of nothing known.

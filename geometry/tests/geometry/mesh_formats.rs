@@ -1117,7 +1117,7 @@ fn objects_of_3mf_are_in_their_places_in_millimetres() {
     };
     let more = "<object id=\"4\"><components><component objectid=\"1\"/>\
                 <component objectid=\"3\"/></components></object>";
-    let resources = [&support(2, "support"), &support(3, "solidsupport"), &cube, more].concat();
+    let resources = [&support(2, "support")[..], &support(3, "solidsupport"), &cube, more].concat();
     let build = "<item objectid=\"2\"/><item objectid=\"4\"/>";
     let text = model("millimeter", &resources, build);
     let file = is_cube(&threemf(&[("3D/a.model", &text)]), format, "beside supports");
