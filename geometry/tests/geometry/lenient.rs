@@ -123,6 +123,18 @@ fn rows_of_ply_may_be_longer_than_declared() {
 }
 
 #[test]
+fn rows_of_ply_may_go_on_in_the_next_lines() {
+    let text = text_of(PLY);
+    let (header, rest) = text.split_once("end_header\n").unwrap();
+    let split = format!("{header}end_header\n{}", rest.replace(' ', "\n"));
+    assert!(whole(split.as_bytes(), PLY).notes.is_empty());
+    // A row that lacks numbers takes none of a whole row.
+    let lacks = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n\
+                 property float z\nend_header\n0 0\n1 0 0\n";
+    assert_eq!(refusal(lacks.as_bytes(), PLY), (Some(8), "too few numbers".into()));
+}
+
+#[test]
 fn elements_of_ply_with_vertices_that_are_no_faces_are_noted() {
     let text = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n\
                 property float z\nelement range_grid 2\nproperty list uchar int vertex_indices\n\
