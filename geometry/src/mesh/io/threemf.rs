@@ -134,9 +134,9 @@ impl<'p, 's, 'a> Package<'p, 's, 'a> {
     /// Returns the content of a part.
     fn part(&mut self, name: &str) -> Checked<Vec<u8>> {
         // Names of parts differ in more than the case of letters (OPC, section 6.3.5).
-        let is_same = |other: &str| other.eq_ignore_ascii_case(name);
+        let is_same = |other: &[u8]| other.eq_ignore_ascii_case(name.as_bytes());
         let at = self.archive.index_for_name(name);
-        let at = at.or_else(|| self.archive.file_names().position(is_same));
+        let at = at.or_else(|| self.archive.file_names_raw().position(is_same));
         let at = at.ok_or_else(|| format!("the archive has no part {name:?}"))?;
         let fail = |e: &dyn std::fmt::Display| format!("{name}: can't be unpacked: {e}");
         let mut entry = self.archive.by_index(at).map_err(|e| fail(&e))?;

@@ -81,19 +81,23 @@ impl<'s, 'a> Rows<'s, 'a> {
                 let (name, count) = (&element.name, element.count);
                 return Err(format!("truncated: {done} of {count} rows of element {name}").into());
             };
-            let mut words = text::words(line).peekable();
-            if words.peek().is_none() {
-                continue;
-            }
-            match filled(row, element, &mut words)? {
+            // Whether there are more numbers; `None`: fewer.
+            let more = {
+                let mut words = text::words(line).peekable();
+                if words.peek().is_none() {
+                    continue;
+                }
+                filled(row, element, &mut words)?.map(|()| words.next().is_some())
+            };
+            match more {
                 None => {
                     let first = line.to_vec();
                     return self.continued_row(&first, number);
                 }
-                Some(()) if words.next().is_some() => {
+                Some(true) => {
                     *longer = (longer.0 + 1, if longer.0 == 0 { number } else { longer.1 });
                 }
-                Some(()) => {}
+                Some(false) => {}
             }
             return Ok(());
         }
@@ -110,28 +114,31 @@ impl<'s, 'a> Rows<'s, 'a> {
         let mut open: Option<(&mut Vec<f64>, usize)> = None;
         let mut line = first.to_vec();
         loop {
-            let mut words = text::words(&line);
-            loop {
-                if let Some((list, left @ 1..)) = &mut open {
-                    let Some(word) = words.next() else { break };
-                    push(list, text::number(word)?)?;
-                    *left -= 1;
-                    continue;
-                }
-                let Some(property) = properties.peek() else {
-                    return if words.next().is_some() { Err(too_few(source)) } else { Ok(()) };
-                };
-                let Some(word) = words.next() else { break };
-                let value = text::number(word)?;
-                if property.counted_by.is_none() {
-                    if let Some(scalar) = scalars.next() {
-                        *scalar = value;
+            {
+                let mut words = text::words(&line);
+                loop {
+                    if let Some((list, left @ 1..)) = &mut open {
+                        let Some(word) = words.next() else { break };
+                        push(list, text::number(word)?)?;
+                        *left -= 1;
+                        continue;
                     }
-                } else if let Some(list) = lists.next() {
-                    list.clear();
-                    open = Some((list, list_length(value)?));
+                    let Some(property) = properties.peek() else {
+                        let is_longer = words.next().is_some();
+                        return if is_longer { Err(too_few(source)) } else { Ok(()) };
+                    };
+                    let Some(word) = words.next() else { break };
+                    let value = text::number(word)?;
+                    if property.counted_by.is_none() {
+                        if let Some(scalar) = scalars.next() {
+                            *scalar = value;
+                        }
+                    } else if let Some(list) = lists.next() {
+                        list.clear();
+                        open = Some((list, list_length(value)?));
+                    }
+                    properties.next();
                 }
-                properties.next();
             }
             line.clear();
             match source.next_bytes()? {
