@@ -39,6 +39,7 @@ def same(path, v, f, scalars=None, digits=0.0):
         ("a.vtu", np.float32, {"compression": None, "header_type": "UInt64"}),
         ("a.vtu", np.float64, {"compression": "zlib"}),
         ("a.vtu", np.float32, {"compression": "zlib", "header_type": "UInt64"}),
+        ("a.vtu", np.float64, {"compression": "lzma"}),
         ("a.vtu", np.float64, {"binary": False}),
         ("a.msh", np.float64, {"file_format": "gmsh22"}),
         ("a.msh", np.float64, {"file_format": "gmsh22", "binary": False}),
@@ -76,17 +77,20 @@ def test_lines_are_left_out_with_a_warning(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "mode, packed, word, is_big",
+    "mode, packing, word, is_big",
     [
-        ("Ascii", False, 32, False),
-        ("Binary", False, 32, True),
-        ("Binary", True, 64, False),
-        ("Appended", False, 64, False),
-        ("Appended", True, 32, True),
+        ("Ascii", "None", 32, False),
+        ("Binary", "None", 32, True),
+        ("Binary", "ZLib", 64, False),
+        ("Binary", "LZMA", 64, True),
+        ("Appended", "None", 64, False),
+        ("Appended", "ZLib", 32, True),
+        ("Appended", "LZ4", 32, False),
+        ("Appended", "LZMA", 64, False),
     ],
 )
 @pytest.mark.parametrize("ending", ["vtp", "vtu"])
-def test_what_vtk_writes_is_read(tmp_path, ending, mode, packed, word, is_big):
+def test_what_vtk_writes_is_read(tmp_path, ending, mode, packing, word, is_big):
     vtk = pytest.importorskip("vtk")
     support = pytest.importorskip("vtk.util.numpy_support")
     v, f = surface()
@@ -109,7 +113,7 @@ def test_what_vtk_writes_is_read(tmp_path, ending, mode, packed, word, is_big):
     writer.SetFileName(str(tmp_path / f"a.{ending}"))
     writer.SetInputData(data)
     getattr(writer, f"SetDataModeTo{mode}")()
-    (writer.SetCompressorTypeToZLib if packed else writer.SetCompressorTypeToNone)()
+    getattr(writer, f"SetCompressorTypeTo{packing}")()
     getattr(writer, f"SetHeaderTypeToUInt{word}")()
     (writer.SetByteOrderToBigEndian if is_big else writer.SetByteOrderToLittleEndian)()
     assert writer.Write() == 1
@@ -117,18 +121,57 @@ def test_what_vtk_writes_is_read(tmp_path, ending, mode, packed, word, is_big):
 
 
 @pytest.mark.parametrize("text", [False, True])
-def test_vtk_reads_what_is_written(tmp_path, text):
+@pytest.mark.parametrize(
+    "version, binary, strips",
+    [(42, False, False), (42, True, False), (51, False, False), (51, True, False), (51, True, True)],
+)
+def test_legacy_files_of_vtk_are_read_and_ours_by_vtk(tmp_path, version, binary, strips, text):
     vtk = pytest.importorskip("vtk")
-    numpy_support = pytest.importorskip("vtk.util.numpy_support")
+    support = pytest.importorskip("vtk.util.numpy_support")
     v, f = surface()
-    catamaran.write_mesh(tmp_path / "a.vtk", v, f, text=text)
+    points, cells, mesh = vtk.vtkPoints(), vtk.vtkCellArray(), vtk.vtkPolyData()
+    points.SetData(support.numpy_to_vtk(v, deep=True))
+    ends = support.numpy_to_vtkIdTypeArray(np.arange(0, 3 * len(f) + 1, 3), deep=True)
+    cells.SetData(ends, support.numpy_to_vtkIdTypeArray(f.astype(np.int64).ravel(), deep=True))
+    mesh.SetPoints(points)
+    mesh.SetPolys(cells)
+    heat = np.linspace(0, 1, len(v))
+    values = support.numpy_to_vtk(heat, deep=True)
+    values.SetName("heat")
+    mesh.GetPointData().AddArray(values)
+    if strips:
+        stripper = vtk.vtkStripper()
+        stripper.SetInputData(mesh)
+        stripper.Update()
+        mesh = stripper.GetOutput()
+    writer = vtk.vtkPolyDataWriter()
+    writer.SetFileName(str(tmp_path / "a.vtk"))
+    writer.SetInputData(mesh)
+    writer.SetFileVersion(version)
+    (writer.SetFileTypeToBinary if binary else writer.SetFileTypeToASCII)()
+    assert writer.Write() == 1
+    again, faces, more = catamaran.read_mesh(tmp_path / "a.vtk", attributes=True)
+    # Text has 6 digits.
+    digits = 0.0 if binary else 1e-5
+    assert np.allclose(again, v, rtol=0, atol=digits) and more["notes"] == []
+    assert np.allclose(more["scalars"]["heat"], heat, rtol=0, atol=digits)
+    # Strips have the triangles in their own order.
+    assert np.allclose(corners(again, rolled(faces)), corners(v, rolled(f)), atol=2 * digits)
+    catamaran.write_mesh(tmp_path / "b.vtk", again, faces, text=text)
     reader = vtk.vtkPolyDataReader()
-    reader.SetFileName(str(tmp_path / "a.vtk"))
+    reader.SetFileName(str(tmp_path / "b.vtk"))
     reader.Update()
-    mesh = reader.GetOutput()
-    assert np.array_equal(numpy_support.vtk_to_numpy(mesh.GetPoints().GetData()), v)
-    faces = numpy_support.vtk_to_numpy(mesh.GetPolys().GetConnectivityArray())
-    assert np.array_equal(faces.reshape(-1, 3), f)
+    theirs = reader.GetOutput()
+    assert np.array_equal(support.vtk_to_numpy(theirs.GetPoints().GetData()), again)
+    connected = support.vtk_to_numpy(theirs.GetPolys().GetConnectivityArray())
+    assert np.array_equal(connected.reshape(-1, 3), faces)
+
+
+def rolled(f):
+    """Faces that begin with their lowest vertex."""
+    f = np.asarray(f)
+    turns = (np.arange(3) + f.argmin(axis=1)[:, None]) % 3
+    return np.take_along_axis(f, turns, axis=1)
 
 
 @pytest.mark.parametrize(
@@ -212,6 +255,24 @@ def test_values_of_freesurfer_are_read(tmp_path, name):
     values = catamaran.read_scalars(tmp_path / name)
     ending = name.rsplit(".", 1)[1]
     assert list(values) == [ending] and np.array_equal(values[ending], v[:, 0])
+
+
+@pytest.mark.parametrize("name", ["lh.thickness.mgh", "lh.thickness.mgz"])
+@pytest.mark.parametrize("kind", [np.float32, np.int32, np.int16, np.uint8])
+@pytest.mark.parametrize("frames", [1, 3])
+def test_values_of_mgh_are_read(tmp_path, name, kind, frames):
+    nibabel = pytest.importorskip("nibabel")
+    rng = np.random.default_rng(frames)
+    values = (100 * rng.random((96, 1, 1, frames))).astype(kind)
+    values = values if frames > 1 else values[..., 0]
+    image = nibabel.freesurfer.MGHImage(values, np.eye(4))
+    nibabel.save(image, tmp_path / name)
+    found = catamaran.read_scalars(tmp_path / name)
+    columns = values.reshape(96, frames)
+    names = ["thickness"] if frames == 1 else [f"thickness.{k}" for k in range(frames)]
+    assert list(found) == names
+    for k, own in enumerate(names):
+        assert np.array_equal(found[own], columns[:, k])
 
 
 @pytest.mark.parametrize("labels, unknown", [(1, 0), (2, 3), (3, 0), (7, 5), (36, 100)])

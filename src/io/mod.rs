@@ -76,6 +76,8 @@ pub use limits::LARGER_MAX_MEMORY;
 pub use packing::Packing;
 #[doc(hidden)]
 pub use source::Source;
+#[doc(hidden)]
+pub use xz::unxz;
 
 use self::columns::ColumnNumbers;
 use self::names::MatrixFormat;

@@ -125,7 +125,7 @@ impl<'a> Source<'a> {
     }
 
     /// Returns the bytes of memory that the file may take.
-    pub(super) fn memory(&self) -> u64 {
+    pub fn memory(&self) -> u64 {
         self.memory
     }
 

@@ -13,6 +13,12 @@ const LARGEST_DICTIONARY: usize = 1 << 28;
 /// The dictionary that is allocated before a file asks for one, in bytes.
 const FIRST_DICTIONARY: usize = 1 << 12;
 
+/// Returns a reader of what bytes packed by xz unpack to.
+#[doc(hidden)]
+pub fn unxz(packed: &[u8]) -> impl Read {
+    Unpacker::new(packed)
+}
+
 /// A file being unpacked.
 pub(super) struct Unpacker<R> {
     packed: R,

@@ -881,16 +881,22 @@ fn functions_are_those_of_a_mesh_file_or_of_freesurfer() {
     };
     let by_mesh = smooth("a.gii", "mesh.npy");
     let by_thickness = smooth("lh.thickness", "thickness.npy");
+    // MGH: the version, three sizes, a frame, single precision, and no place in space.
+    let mut mgh = [1u32, 162, 1, 1, 1, 3, 0].map(u32::to_be_bytes).concat();
+    mgh.resize(284, 0);
+    let curv = std::fs::read(folder.path("lh.thickness")).unwrap();
+    folder.write("lh.thickness.mgh", [&mgh[..], &curv[15..]].concat());
+    assert_eq!(smooth("lh.thickness.mgh", "mgh.npy"), by_thickness);
     // Heights are a combination of the first three eigenfunctions.
     // The content decides: these names are those of a surface, of a table and of nothing known.
     for name in ["lh.area.pial", "thickness.csv", "lh.jacobian_white"] {
         std::fs::copy(folder.path("lh.thickness"), folder.path(name)).unwrap();
         assert_eq!(smooth(name, &format!("{name}.npy")), by_thickness, "{name}");
     }
-    folder.write("lh.thickness.mgz", "any");
+    folder.write("broken.mgz", "any");
     write(Output::create(&folder.path("a.3mf"), Overwrite::Never).unwrap(), &file).unwrap();
     for (name, says) in [
-        ("lh.thickness.mgz", "lh.thickness.mgz: MGH is not read: nibabel reads it"),
+        ("broken.mgz", "broken.mgz: is no file of values (MGH): damaged, or another one"),
         ("a.3mf", "a.3mf: has no values of vertices"),
     ] {
         let said = folder.fail(&format!("filter a.gii --low-pass 4 --functions {name} -o b.npy"));

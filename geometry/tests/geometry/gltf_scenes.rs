@@ -63,13 +63,13 @@ fn extensions_that_a_file_requires_are_known_or_an_error() {
         let said = refusal(&square(NONE, &required), GLB).1;
         assert_eq!(said, format!("requires the extension {name}, which is not supported"));
     }
-    for name in ["KHR_draco_mesh_compression", "KHR_meshopt_compression"] {
-        let required = format!(r#", "extensionsRequired": ["KHR_materials_unlit", "{name}"]"#);
-        let said = refusal(&square(NONE, &required), GLB).1;
-        let what = format!("compressed by the extension {name}, which is not supported: import");
-        assert!(said.starts_with(&what), "{said}");
-    }
+    let name = "KHR_meshopt_compression";
+    let required = format!(r#", "extensionsRequired": ["KHR_materials_unlit", "{name}"]"#);
+    let said = refusal(&square(NONE, &required), GLB).1;
+    let what = format!("compressed by the extension {name}, which is not supported: import");
+    assert!(said.starts_with(&what), "{said}");
     for name in [
+        "KHR_draco_mesh_compression",
         "KHR_mesh_quantization",
         "KHR_technique_webgl",
         "KHR_texture_basisu",
@@ -100,13 +100,16 @@ fn compressed_numbers_are_an_error_unless_the_file_has_them_uncompressed_too() {
         let document = SQUARE.replace(view, "{").replace(PRIMITIVE, primitive);
         gltf(&format!("{document}{used}"), &square_bytes())
     };
-    let said = "mesh 0, primitive 0: compressed by the extension KHR_draco_mesh_compression, which \
-                is not supported: import it into Blender, and export without compression";
+    let said = "mesh 0, primitive 0: compressed by the extension KHR_draco_mesh_compression, but \
+                its numbers are not there: import it into Blender, and export without compression";
     for view in [r#"{"bufferView": 0, "#, r#"{"bufferView": 1, "#] {
-        assert_eq!(refusal(&missing(view, packed, used), GLB).1, said, "{view}");
-        // Named in the list of extensions only, or in the primitive only.
+        // Named in the list of extensions only.
         assert_eq!(refusal(&missing(view, PRIMITIVE, used), GLB).1, said, "{view}");
-        assert_eq!(refusal(&missing(view, packed, ""), GLB).1, said, "{view}");
+        // The view has no stream.
+        for used in [used, ""] {
+            let said = refusal(&missing(view, packed, used), GLB).1;
+            assert!(said.contains("KHR_draco_mesh_compression: can't be unpacked"), "{said}");
+        }
     }
     let other = packed.replace("KHR_draco_mesh_compression", "FOO_points");
     let refused = refusal(&missing(r#"{"bufferView": 0, "#, &other, ""), GLB).1;
@@ -114,6 +117,134 @@ fn compressed_numbers_are_an_error_unless_the_file_has_them_uncompressed_too() {
     // Zeros that no extension replaces.
     let file = read_bytes(&missing(r#"{"bufferView": 0, "#, PRIMITIVE, ""), GLB).unwrap();
     note(&file, "took 0 for positions and vertex numbers that are not in the file: 1");
+}
+
+/// A square that Draco packs by its connectivity, with 11 bits for a coordinate: DracoPy 2.2.
+const CONNECTED: &str = "\
+    RFJBQ08CAgEBAAAABAIAAgAAAR//AREB/wAAAQAJAwAAAgABAQADAwEgASADACCEmJAAAAAAAP8HAAAAAAAA\
+    AAAAAAAAAAAAAIA/Cw==";
+
+/// The same as lists, with colours, texture coordinates and normals: attributes 0 to 2.
+const LISTED: &str = "\
+    RFJBQ08CAgEAAAACBAEAAQIAAgMBBAICAwEAAwkCAQEBCQMAAgAJAwADAQAAAgABAQADAwEgASADAPCDMbAB\
+    AAAAAP8AAAAAAAAAAAAAAAAAgD8AAAAAAACAPwAAgD8AAAAAAACAPwAAAAAAAAAAAACAPwAAAAAAAAAAAACA\
+    PwAAAAAAAAAAAACAPwAAAAAAAAAAAACAPwABAQADAwEwARADADSCiAQAAAAA/wcAAAAAAAAAAAAAAAAAAAAA\
+    gD8L";
+
+/// A document with a primitive of these attributes, each with its accessor and its number in a
+/// stream of Draco.
+fn draco(stream: &str, attributes: &[(&str, &str, u32)]) -> String {
+    let (mut named, mut ids, mut accessors) = (vec![], vec![], vec![]);
+    for (i, (name, accessor, id)) in attributes.iter().enumerate() {
+        named.push(format!("\"{name}\": {i}"));
+        ids.push(format!("\"{name}\": {id}"));
+        accessors.push(format!("{{{accessor}, \"count\": 4}}"));
+    }
+    let (named, ids, accessors) = (named.join(", "), ids.join(", "), accessors.join(", "));
+    let (size, indices) = (STANDARD.decode(stream).unwrap().len(), attributes.len());
+    format!(
+        r#"{{"asset": {{"version": "2.0"}}, "extensionsRequired": ["KHR_draco_mesh_compression"],
+        "buffers": [{{"byteLength": {size}, "uri": "data:;base64,{stream}"}}],
+        "bufferViews": [{{"buffer": 0, "byteLength": {size}}}],
+        "accessors": [{accessors}, {{"componentType": 5123, "type": "SCALAR", "count": 6}}],
+        "meshes": [{{"primitives": [{{"attributes": {{{named}}}, "indices": {indices},
+        "extensions": {{"KHR_draco_mesh_compression": {{"bufferView": 0,
+        "attributes": {{{ids}}}}}}}}}]}}]}}"#
+    )
+}
+
+const POSITION: &str = r#""componentType": 5126, "type": "VEC3""#;
+
+#[test]
+fn primitives_that_draco_packs_are_unpacked() {
+    let text = draco(CONNECTED, &[("POSITION", POSITION, 0)]);
+    let file = read_bytes(text.as_bytes(), GLTF).unwrap_or_else(|e| panic!("{e}"));
+    let corners = [[0.0, 1.0, 0.0], [0.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0]];
+    assert_eq!(
+        (file.mesh.vertices(), file.mesh.faces()),
+        (&corners[..], &[[0, 1, 2], [1, 3, 2]][..])
+    );
+    assert!(file.notes.is_empty(), "{:?}", file.notes);
+    // The stream counts, and it has triangles where there were strips.
+    for (old, new) in
+        [("\"count\": 4", "\"count\": 3"), ("\"indices\"", "\"mode\": 5, \"indices\"")]
+    {
+        let changed = text.replacen(old, new, 1);
+        assert_eq!(read_bytes(changed.as_bytes(), GLTF).unwrap().mesh, file.mesh, "{new}");
+    }
+    let color = r#""componentType": 5121, "normalized": true, "type": "VEC3""#;
+    let uv = r#""componentType": 5126, "type": "VEC2""#;
+    let all = [
+        ("POSITION", POSITION, 3),
+        ("COLOR_0", color, 0),
+        ("TEXCOORD_0", uv, 1),
+        ("NORMAL", POSITION, 2),
+    ];
+    let listed = read_bytes(draco(LISTED, &all).as_bytes(), GLTF).unwrap();
+    let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    let faces = [[0, 1, 2], [0, 2, 3]];
+    assert_eq!((listed.mesh.vertices(), listed.mesh.faces()), (&corners[..], &faces[..]));
+    let colors = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 1.0]];
+    assert_eq!(listed.colors.unwrap(), colors.map(|[r, g, b]| [r, g, b, 1.0]));
+    // From the bottom, not from the top.
+    let uv = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]];
+    assert_eq!(listed.uv.unwrap().of_vertices(), Some(&uv[..]));
+    assert_eq!(listed.normals.unwrap().of_vertices(), Some(&[[0.0, 0.0, 1.0]; 4][..]));
+}
+
+#[test]
+fn broken_streams_of_draco_are_refused_by_name() {
+    let text = draco(CONNECTED, &[("POSITION", POSITION, 0)]);
+    let broken = "accessor 0: KHR_draco_mesh_compression: ";
+    for (old, new, said) in [
+        ("{\"POSITION\": 0}}", "{\"POSITION\": 7}}", &format!("{broken}has no attribute 7")[..]),
+        ("VEC3", "VEC2", "type \"VEC2\" does not have 3 numbers"),
+        (
+            "0, \"byteLength\": 76",
+            "0, \"byteLength\": 40",
+            &format!("{broken}can't be unpacked")[..],
+        ),
+        (
+            "{\"bufferView\": 0",
+            "{\"bufferView\": 9",
+            &format!("{broken}view 9 is out of range")[..],
+        ),
+        (", \"indices\": 1", "", "mesh 0, primitive 0: compressed by the extension KHR_draco_mesh"),
+        (
+            ", \"attributes\": {\"POSITION\": 0}}}",
+            "}}",
+            "compressed by the extension KHR_draco_mesh",
+        ),
+    ] {
+        let text = text.replace("\n        ", " ");
+        assert!(text.contains(old), "{old}: {text}");
+        let refused = refusal(text.replace(old, new).as_bytes(), GLTF).1;
+        assert!(refused.contains(said), "{new}: {refused}");
+    }
+    // Primitives may share a stream, but not the accessors of two streams.
+    let two = |view: u32| {
+        let second = r#""bufferViews": [{"buffer": 0, "byteLength": 76}, "#;
+        let text = text.replace("\"bufferViews\": [", second);
+        let (head, primitive) = text.split_once("\"primitives\": [").unwrap();
+        let primitive = primitive.strip_suffix("]}]}").unwrap();
+        let other = primitive.replace("\"bufferView\": 0", &format!("\"bufferView\": {view}"));
+        format!("{head}\"primitives\": [{primitive}, {other}]}}]}}")
+    };
+    assert_eq!(read_bytes(two(0).as_bytes(), GLTF).unwrap().mesh.faces().len(), 4);
+    let refused = refusal(two(1).as_bytes(), GLTF).1;
+    assert!(refused.contains("is packed in two views"), "{refused}");
+    // No change of a byte stops the reader.
+    for (stream, id) in [(CONNECTED, 0), (LISTED, 3)] {
+        let bytes = STANDARD.decode(stream).unwrap();
+        for at in 0..bytes.len() {
+            for bit in 0..8 {
+                let mut bytes = bytes.clone();
+                bytes[at] ^= 1 << bit;
+                let text = draco(&STANDARD.encode(bytes), &[("POSITION", POSITION, id)]);
+                let _ = read_bytes(text.as_bytes(), GLTF);
+            }
+        }
+    }
 }
 
 /// The square of [`SQUARE`] in views that are packed, in a buffer that the file does not have.

@@ -123,6 +123,18 @@ fn rows_of_ply_may_be_longer_than_declared() {
 }
 
 #[test]
+fn rows_of_ply_may_go_on_in_the_next_lines() {
+    let text = text_of(PLY);
+    let (header, rest) = text.split_once("end_header\n").unwrap();
+    let split = format!("{header}end_header\n{}", rest.replace(' ', "\n"));
+    assert!(whole(split.as_bytes(), PLY).notes.is_empty());
+    // A row that lacks numbers takes none of a whole row.
+    let lacks = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n\
+                 property float z\nend_header\n0 0\n1 0 0\n";
+    assert_eq!(refusal(lacks.as_bytes(), PLY), (Some(8), "too few numbers".into()));
+}
+
+#[test]
 fn elements_of_ply_with_vertices_that_are_no_faces_are_noted() {
     let text = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n\
                 property float z\nelement range_grid 2\nproperty list uchar int vertex_indices\n\
@@ -150,6 +162,11 @@ fn headers_of_ply_may_have_other_line_ends_blanks_and_lines() {
             (header.replace('\n', "\r\n"), rest.to_vec()),
             (header.replace('\n', " \n"), rest.to_vec()),
             (header.replace('\n', "\t \r\n"), rest.to_vec()),
+            (header.replacen("ply", "PLY", 1), rest.to_vec()),
+            (header.replacen("ply", "PLY", 1).replace('\n', "\r"), returned(rest)),
+            (changed(&header, " 1.0\n", "\n"), rest.to_vec()),
+            (changed(&header, " 1.0\n", " 1\n"), rest.to_vec()),
+            (header.replace("float ", "FLOAT ").replace("double ", "Double "), rest.to_vec()),
         ] {
             assert!(whole(&with(header, &rest), format).notes.is_empty());
         }
@@ -338,6 +355,7 @@ fn stl_as_text_may_have_capitals_comments_colours_and_no_end() {
         changed(&text, "facet normal", "Facet Normal"),
         changed(&text, "solid\nfacet", "solid a b\n\n\n  facet"),
         changed(&text, "solid\nfacet", "solid a\nendsolid a\nfacet"),
+        changed(&text, "solid\nfacet", "solid a facet normal\nfacet"),
         // In one line, also with a second solid, or a line for each facet.
         text.replace('\n', " "),
         changed(&text, "solid\nfacet", "solid facet of a\nendsolid a solid b\nfacet")
@@ -362,6 +380,7 @@ fn stl_as_text_may_have_capitals_comments_colours_and_no_end() {
         (changed(&text, "endloop\n", "endloop\n color 1 0 0\n"), skipped),
         (changed(&text, "endsolid", ""), "the last solid has no endsolid"),
         (text.lines().map(|line| vertex_colour(line) + "\n").collect(), "left out words after"),
+        (text.replace("endfacet\n", ""), "took facets without an endfacet"),
     ] {
         let file = whole(text.as_bytes(), STL_TEXT);
         note(&file, said);
@@ -431,6 +450,7 @@ fn off_is_read_with_counts_after_its_name_and_with_any_dimension() {
         with(format!("OFF{vertices} {faces} 0\n"), &same),
         with(format!("\t  OFF{vertices} {faces} 0 # so\n"), &same),
         with(format!("OFF {vertices} {faces} 0\n"), &same),
+        with(format!("OFF\n{vertices} {faces} -1\n"), &same),
         with(format!("4OFF\n{vertices} {faces} 0\n"), &|row| format!("{row} 1.0")),
         with(format!("nOFF\n3\n{vertices} {faces} 0\n"), &same),
         with(format!("nOFF 3\n{vertices} {faces} 0\n"), &same),

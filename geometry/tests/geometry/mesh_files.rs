@@ -1130,8 +1130,8 @@ fn broken_gltf_names_what_is_broken() {
         (format!("{SQUARE}, \"scene\": 3"), "no scene 3"),
         (huge, "of memory"),
         (
-            format!("{SQUARE}, \"extensionsRequired\": [\"KHR_draco_mesh_compression\"]"),
-            "compressed by the extension KHR_draco",
+            format!("{SQUARE}, \"extensionsRequired\": [\"KHR_meshopt_compression\"]"),
+            "compressed by the extension KHR_meshopt",
         ),
     ];
     for (document, what) in cases {

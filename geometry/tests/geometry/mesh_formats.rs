@@ -165,6 +165,35 @@ fn triangle_strips_of_vtk_alternate() {
 }
 
 #[test]
+fn grids_of_vtk_with_one_side_of_one_point_are_surfaces() {
+    let grid = |sides: &str, points: &str| {
+        let head = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET STRUCTURED_GRID\nDIMENSIONS";
+        format!("{head} {sides}\nPOINTS 6 float\n{points}\n").into_bytes()
+    };
+    let points = "0 0 0 1 0 0 2 0 1 0 1 0 1 1 0 2 1 1";
+    let values = format!(
+        "{points}\nPOINT_DATA 6\nSCALARS h float\nLOOKUP_TABLE default\n{}",
+        "1 2 ".repeat(3)
+    );
+    for sides in ["3 2 1", "3 1 2", "1 3 2"] {
+        let file = read_bytes(&grid(sides, &values), VTK).unwrap();
+        let faces = [[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]];
+        assert_eq!((file.mesh.vertices().len(), file.mesh.faces()), (6, &faces[..]), "{sides}");
+        assert_eq!(file.scalars[0].values, [1.0, 2.0, 1.0, 2.0, 1.0, 2.0]);
+    }
+    for (sides, what) in [
+        ("6 1 1", "a structured grid of volumes or lines is not a surface"),
+        ("3 3 1", "6 points of a grid of 3 x 3 x 1"),
+        ("3 9999999999 9999999999", "6 points of a grid of 3 x 9999999999"),
+    ] {
+        let said = refused(&grid(sides, points), VTK);
+        assert!(said.contains(what), "{said}");
+    }
+    let lacks = String::from_utf8(grid("", points)).unwrap().replace("DIMENSIONS \n", "");
+    assert!(refused(lacks.as_bytes(), VTK).contains("lacks its DIMENSIONS"));
+}
+
+#[test]
 fn errors_in_vtk_name_the_line_and_the_culprit() {
     let head = "# vtk DataFile Version 3.0\n\nASCII\n";
     let points = "DATASET POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\n";
@@ -335,9 +364,17 @@ fn vtk_in_xml_has_its_byte_order_and_may_have_headers_with_a_padding() {
 }
 
 #[test]
-fn vtk_in_xml_may_be_packed_by_lz4_and_text_by_anything() {
+fn vtk_in_xml_may_be_packed_by_lz4_and_lzma_and_text_by_anything() {
     /// The positions in single precision, as LZ4 packs them.
     const BLOCK: [u8; 17] = [25, 0, 1, 0, 41, 128, 63, 15, 0, 112, 0, 0, 64, 0, 0, 0, 0];
+    /// The same by Python's lzma, with the check that VTK writes.
+    const XZ: [u8; 72] = [
+        0xfd, 0x37, 0x7a, 0x58, 0x5a, 0x00, 0x00, 0x01, 0x69, 0x22, 0xde, 0x36, 0x02, 0x00, 0x21,
+        0x01, 0x16, 0x00, 0x00, 0x00, 0x74, 0x2f, 0xe5, 0xa3, 0xe0, 0x00, 0x23, 0x00, 0x0d, 0x5d,
+        0x00, 0x00, 0x6c, 0xce, 0x50, 0xaf, 0xf7, 0x01, 0xe7, 0x91, 0xb7, 0xfc, 0x00, 0x00, 0x00,
+        0x00, 0x00, 0x00, 0x49, 0x13, 0x91, 0xed, 0x00, 0x01, 0x25, 0x24, 0x1d, 0x81, 0x76, 0xf4,
+        0x90, 0x42, 0x99, 0x0d, 0x01, 0x00, 0x00, 0x00, 0x00, 0x01, 0x59, 0x5a,
+    ];
     let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
     let points = |encoding: &str, numbers: &str| {
         format!(
@@ -345,11 +382,12 @@ fn vtk_in_xml_may_be_packed_by_lz4_and_text_by_anything() {
              format=\"{encoding}\">{numbers}</DataArray>"
         )
     };
-    let packed = |size: u32| {
+    let by = |block: &[u8], size: u32| {
         // One block, of this size, which is whole.
-        let head = [1, size, 0, BLOCK.len() as u32].map(u32::to_le_bytes).concat();
-        points("binary", &[STANDARD.encode(head), STANDARD.encode(BLOCK)].concat())
+        let head = [1, size, 0, block.len() as u32].map(u32::to_le_bytes).concat();
+        points("binary", &[STANDARD.encode(head), STANDARD.encode(block)].concat())
     };
+    let packed = |size: u32| by(&BLOCK, size);
     let file = |compressor: &str, points: String| {
         format!(
             "<VTKFile type=\"PolyData\" compressor=\"vtk{compressor}DataCompressor\"><Piece>\
@@ -360,12 +398,24 @@ fn vtk_in_xml_may_be_packed_by_lz4_and_text_by_anything() {
     };
     let text = || points("ascii", "0 0 0 1 0 0 0 2 0");
     // Text is not packed, whatever the header names.
-    for text in [file("LZ4", packed(36)), file("LZ4", text()), file("LZMA", text())] {
+    for text in [
+        file("LZ4", packed(36)),
+        file("LZ4", text()),
+        file("LZMA", by(&XZ, 36)),
+        file("LZMA", text()),
+    ] {
         let mesh = read_bytes(text.as_bytes(), MeshFormat::VtkXml).unwrap().mesh;
         assert_eq!((mesh.vertices(), mesh.faces()), (&positions[..], &[[0, 1, 2]][..]));
     }
     for (text, what) in [
-        (file("LZMA", packed(36)), "packed by vtkLZMADataCompressor, where zlib and LZ4 are read"),
+        (file("LZMA", packed(36)), "can't be unpacked"),
+        (
+            file("Brotli", packed(36)),
+            "packed by vtkBrotliDataCompressor, where zlib, LZ4 and LZMA are read",
+        ),
+        (file("LZMA", by(&XZ, 35)), "unpacks to more than 35 bytes"),
+        (file("LZMA", by(&XZ, 40)), "unpacks to 36 of 40 bytes"),
+        (file("LZMA", by(&XZ[..60], 36)), "can't be unpacked"),
         (file("LZ4", packed(35)), "can't be unpacked"),
         (file("LZ4", packed(40)), "unpacks to 36 of 40 bytes"),
         (file("LZ4", packed(1 << 20)), "do not unpack to 1048576"),
@@ -510,6 +560,22 @@ fn names_and_matrices_of_gifti_are_noticed() {
     let file = read_bytes(whole(0, &surface.concat()).as_bytes(), MeshFormat::Gifti).unwrap();
     assert_eq!((file.mesh.vertices().len(), file.mesh.faces()), (3, &[[0, 1, 2]][..]));
     assert!(file.notes[0].contains("of further surfaces, or not of three numbers each: 2"));
+    // nibabel writes text row by row, whatever the order that it states; lines tell that.
+    let read = |points: &str, triangles: &str| {
+        let points = array("POINTSET", &table(4), "", points);
+        let triangles = array("TRIANGLE", &table(2), "", triangles);
+        let text = format!("<GIFTI>{points}{triangles}</GIFTI>");
+        read_bytes(text.as_bytes(), MeshFormat::Gifti).unwrap()
+    };
+    let by_rows = read("0 0 0\n1 0 0\n0 2 0\n0 0 3\n", "\n0 1 2\n0 2 3\n");
+    let said = "took numbers of text row by row, as its lines have them, although the file says \
+                ColumnMajorOrder: 2, the first at NIFTI_INTENT_POINTSET";
+    assert_eq!(by_rows.notes, [said]);
+    let by_columns = read("0 1 0 0\n0 0 2 0\n0 0 0 3", "0 0 1 2 2 3");
+    assert!(by_columns.notes.is_empty());
+    assert_eq!(by_rows.mesh, by_columns.mesh);
+    let corners = (by_rows.mesh.vertices()[3], by_rows.mesh.faces());
+    assert_eq!(corners, ([0.0, 0.0, 3.0], &[[0, 1, 2], [0, 2, 3]][..]));
     let deep = "Dimensionality=\"3\" Dim0=\"3\" Dim1=\"1\" Dim2=\"1\"";
     let wide = "Dimensionality=\"2\" Dim0=\"1\" Dim1=\"5000\"";
     for (shape, count, what) in [(deep, 3, "more than two dimensions"), (wide, 5000, "5000 values")]
@@ -697,6 +763,66 @@ fn values_and_labels_of_freesurfer_are_read() {
     assert!(found.contains("a larger max_memory allows it"), "{found}");
 }
 
+#[test]
+fn frames_of_mgh_are_functions_and_packed_by_gzip_too() {
+    let folder = Folder::new();
+    let values = [[0.5f64, -1.0, 2.0], [3.0, 0.25, 7.0]];
+    // Their numbers, and how a number is stored.
+    type To = fn(f64) -> Vec<u8>;
+    let kinds: [(u32, To); 5] = [
+        (3, |x| (x as f32).to_be_bytes().to_vec()),
+        (0, |x| vec![x as u8]),
+        (1, |x| (x as i32).to_be_bytes().to_vec()),
+        (4, |x| (x as i16).to_be_bytes().to_vec()),
+        (10, |x| (x as u16).to_be_bytes().to_vec()),
+    ];
+    let mgh = |sizes: [u32; 4], kind: u32, to: To| {
+        let [x, y, z, frames] = sizes;
+        let mut bytes = big([1, x, y, z, frames, kind, 0], u32::to_be_bytes);
+        bytes.resize(284, 0);
+        bytes.extend(values.as_flattened().iter().flat_map(|&x| to(x)));
+        bytes
+    };
+    let path = folder.path("lh.thickness.mgh");
+    for (kind, to) in kinds {
+        fs::write(&path, mgh([3, 1, 1, 2], kind, to)).unwrap();
+        let found = read_scalars(&path).unwrap();
+        let kept = |x: f64| match kind {
+            3 => x,
+            4 | 1 => x.trunc(),
+            _ => x.trunc().max(0.0),
+        };
+        for (k, own) in values.iter().enumerate() {
+            let right = Scalars { name: format!("thickness.{k}"), values: own.map(kept).to_vec() };
+            assert_eq!(found[k], right, "type {kind}");
+        }
+    }
+    // The vertices may fill any dimension, and one frame has no number.
+    let bytes = mgh([1, 3, 2, 1], 3, kinds[0].1);
+    let mut packer = GzEncoder::new(Vec::new(), Compression::default());
+    packer.write_all(&bytes).unwrap();
+    let packed = folder.path("a.mgz");
+    fs::write(&packed, packer.finish().unwrap()).unwrap();
+    let right = Scalars { name: "a".into(), values: values.concat() };
+    assert_eq!(read_scalars(&packed).unwrap(), [right]);
+    let no_surface = read(&packed).unwrap_err().to_string();
+    assert!(no_surface.contains("has values of vertices by its name, but no surface"));
+    // What follows the values is left out, as in files with a name of the scanner.
+    fs::write(&path, [&bytes[..], &[1; 20]].concat()).unwrap();
+    assert_eq!(read_scalars(&path).unwrap()[0].values.len(), 6);
+    for (bytes, what) in [
+        (bytes[..bytes.len() - 1].to_vec(), "truncated: the file ends before the values"),
+        (bytes[..200].to_vec(), "truncated: the file ends before the header"),
+        (mgh([3, 1, 1, 2], 2, kinds[0].1), "is no file of values (MGH)"),
+        (mgh([3, 1, 1, 4097], 3, kinds[0].1), "4097 frames, where 4096 are supported"),
+        (mgh([1 << 20, 1 << 20, 1 << 20, 1], 3, kinds[0].1), "memory"),
+    ] {
+        fs::write(&path, bytes).unwrap();
+        let found = read_scalars(&path).unwrap_err().to_string();
+        assert!(found.contains(what), "{what}: {found}");
+    }
+}
+
 /// Numbers as Gmsh writes them, as text or binary.
 struct Numbers {
     bytes: Vec<u8>,
@@ -846,6 +972,27 @@ fn faces_of_gmsh_are_read_in_each_version() {
 }
 
 #[test]
+fn counts_of_gmsh_may_have_4_bytes_and_comments_may_come_first() {
+    let begin = b"$Comments\nby a test\n$EndComments\n$MeshFormat\n4.1 1 4\n";
+    let mut file = Numbers { bytes: begin.to_vec(), binary: true };
+    file.ints([1]);
+    file.text("\n$EndMeshFormat\n$Nodes\n");
+    file.ints([1, 3, 1, 3, 2, 1, 0, 3, 1, 2, 3]);
+    file.reals([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 2.0, 0.0]);
+    file.text("\n$EndNodes\n$Elements\n");
+    file.ints([1, 1, 1, 1, 2, 1, 2, 1, 1, 1, 2, 3]);
+    file.text("\n$EndElements\n");
+    let folder = Folder::new();
+    let path = folder.path("a.dat");
+    fs::write(&path, &file.bytes).unwrap();
+    let found = read(&path).unwrap();
+    assert_eq!((found.mesh.vertices()[2], found.mesh.faces()), ([0.0, 2.0, 0.0], &[[0, 1, 2]][..]));
+    let text = String::from_utf8(msh(4, false)).unwrap().replace("4.1 0 8", "4.1 0 2");
+    let said = refused(text.as_bytes(), MeshFormat::Gmsh);
+    assert!(said.contains("numbers of 2 bytes are not supported"), "{said}");
+}
+
+#[test]
 fn old_versions_of_gmsh_are_read_as_text() {
     let rows = |row: &dyn Fn(usize, [f64; 3]) -> String| -> String {
         (10..).zip(corners()).map(|(number, [x, y, z])| row(number, [x, y, z]) + "\n").collect()
@@ -959,6 +1106,29 @@ fn objects_of_3mf_are_in_their_places_in_millimetres() {
             .chain([5.0 + 2.0 * inch, inch, inch + 3.0].into_iter().zip(high))
             .all(|(a, b)| { (a - b).abs() < 1e-12 })
     );
+    // Names of parts differ in more than their case.
+    let outer = resources.replace("/3D/b.model", "/3d/B.MODEL");
+    let parts = [("3D/a.model", &model("inch", &outer, build)[..]), parts[1]];
+    assert_eq!(read_bytes(&threemf(&parts), format).unwrap().mesh.faces().len(), 24);
+    // Supports hold the object while it is printed, as items and as components.
+    let support = |id: u32, kind: &str| {
+        let named = format!("<object type=\"{kind}\" id");
+        cube_object(id).replace("<object id", &named)
+    };
+    let more = "<object id=\"4\"><components><component objectid=\"1\"/>\
+                <component objectid=\"3\"/></components></object>";
+    let resources = [&support(2, "support")[..], &support(3, "solidsupport"), &cube, more].concat();
+    let build = "<item objectid=\"2\"/><item objectid=\"4\"/>";
+    let text = model("millimeter", &resources, build);
+    let file = is_cube(&threemf(&[("3D/a.model", &text)]), format, "beside supports");
+    let said = "left out supports, which hold objects while they are printed: objects: 2, the \
+                first at object 2";
+    assert_eq!(file.notes, [said]);
+    let text = model("millimeter", &resources, "<item objectid=\"2\"/>");
+    let said = refused(&threemf(&[("3D/a.model", &text)]), format);
+    assert!(said.contains("has supports only"), "{said}");
+    let text = model("millimeter", &support(1, "surface"), "<item objectid=\"1\"/>");
+    is_cube(&threemf(&[("3D/a.model", &text)]), format, "a surface");
     // Objects within themselves, and millions of them.
     let own = "<object id=\"1\"><components><component objectid=\"1\"/></components></object>";
     let mut many = String::from("<object id=\"0\"/>");

@@ -100,13 +100,13 @@ def read_scalars(path: Path) -> Dict[str, NDArray[np.float64]]:
     Parameters
     ----------
     path : path
-        The file, such as `lh.thickness` or `lh.annot`, or a mesh with values.
+        The file, such as `lh.thickness`, `lh.annot` or `lh.sulc.mgz`, or a mesh with values.
 
     Returns
     -------
     dict of str and ndarray
         The values of the vertices by their names; NaN where there is none. Of `.annot`, the numbers
-        of labels, -1 for none.
+        of labels, -1 for none. Several frames of MGH have their numbers, from 0, after the name.
 
     Raises
     ------

@@ -39,7 +39,12 @@ What a reader leaves out or reads differently is a note with a count: on stderr,
 - Files that a file names, such as buffers of glTF and numbers of GIFTI, lie beside it or in folders
   there.
 - Surfaces of FreeSurfer are also read as text (`.asc`), Gmsh's versions 2 and 4.1 as text and
-  binary, 1 and 4.0 as text, and XML of VTK packed by zlib or LZ4.
+  binary, 1 and 4.0 as text, XML of VTK packed by zlib, LZ4 or LZMA, and glTF packed by Draco and
+  meshoptimizer (`KHR_draco_mesh_compression`, `EXT_meshopt_compression`).
+- Supports of 3MF, which only hold objects while they are printed, are left out.
+- Values of vertices come from the mesh file, from GIFTI without a surface, or from FreeSurfer:
+  `.curv`, `.thickness` and others, `.annot`, `.mgh` and `.mgz` (`--functions` of commands,
+  `read_scalars` of the libraries).
 
 A file that ends too early, a face with a vertex that is not there, and a file of zero bytes are
 errors. An error about a file that holds no mesh says what the file seems to be.

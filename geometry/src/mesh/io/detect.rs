@@ -2,7 +2,7 @@
 
 use super::stored::Kind;
 use super::text::{LOOK, number, uncommented, without_mark, words};
-use super::{freesurfer, off};
+use super::{freesurfer, off, text};
 
 /// Least ratio of lines that are statements of OBJ to lines that are not: programs add statements
 /// of their own.
@@ -67,7 +67,7 @@ pub(super) fn is_freesurfer(head: &Head<'_>) -> bool {
 
 pub(super) fn is_gmsh(head: &Head<'_>) -> bool {
     let line = head.bytes.trim_ascii_start();
-    line.starts_with(b"$MeshFormat") || line.starts_with(b"$NOD")
+    [&b"$MeshFormat"[..], b"$NOD", b"$Comments"].iter().any(|start| line.starts_with(start))
 }
 
 /// Returns whether an archive (zip) has a file that packages of 3MF have among its first ones.
@@ -99,7 +99,7 @@ fn first_of_archive(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
 }
 
 pub(super) fn is_ply(head: &Head<'_>) -> bool {
-    head.bytes.starts_with(b"ply") && head.bytes.get(3).is_some_and(u8::is_ascii_whitespace)
+    text::is_ply(head.bytes) && head.bytes.get(3).is_some_and(u8::is_ascii_whitespace)
 }
 
 pub(super) fn is_off(head: &Head<'_>) -> bool {

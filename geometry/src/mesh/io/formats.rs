@@ -65,6 +65,7 @@ pub(super) struct Description {
     pub written: Option<&'static str>,
     /// The encoding that has every digit as text.
     pub text: Option<MeshFormat>,
+    /// What is written, or read from a format that is only read.
     pub stores: &'static [Stored],
 }
 
@@ -168,7 +169,14 @@ pub(super) static FORMATS: [Description; 11] = [
         read: vtk::read_xml,
         written: None,
         text: None,
-        stores: &[],
+        stores: &[
+            Stored::LoneVertices,
+            Stored::Uv,
+            Stored::Normals,
+            Stored::NormalsBesideColors,
+            Stored::Colors,
+            Stored::Scalars,
+        ],
     },
     Description {
         title: "GIFTI",
@@ -197,7 +205,7 @@ pub(super) static FORMATS: [Description; 11] = [
         read: freesurfer::read,
         written: None,
         text: None,
-        stores: &[],
+        stores: &[Stored::LoneVertices],
     },
     Description {
         title: "Gmsh",
@@ -206,7 +214,7 @@ pub(super) static FORMATS: [Description; 11] = [
         read: gmsh::read,
         written: None,
         text: None,
-        stores: &[],
+        stores: &[Stored::Scalars],
     },
     Description {
         title: "3MF",
@@ -377,6 +385,12 @@ pub(super) fn endings(written: bool) -> String {
     in_words(formats.flat_map(|format| format.endings).map(|(ending, _)| format!(".{ending}")))
 }
 
+/// Returns whether files whose names end so may have functions on vertices beside a mesh.
+pub(super) fn has_functions(ending: &str) -> bool {
+    let mut formats = FORMATS.iter().filter(|format| format.stores.contains(&Stored::Scalars));
+    formats.any(|format| format.endings.iter().any(|(known, _)| *known == ending))
+}
+
 /// Returns the rows of the table of the guide, in Markdown.
 pub(super) fn rows() -> String {
     let row = |format: &Description| {
@@ -430,5 +444,8 @@ mod tests {
         assert_eq!(titles(), known);
         let written = ".obj, .ply, .off, .stl, .glb, .gltf, .vtk, .gii or .3mf";
         assert_eq!(endings(true), written);
+        let functions =
+            all.iter().map(|(ending, _)| *ending).filter(|ending| has_functions(ending));
+        assert_eq!(functions.collect::<Vec<_>>(), ["vtk", "vtp", "vtu", "gii", "msh"]);
     }
 }

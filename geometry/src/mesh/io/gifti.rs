@@ -15,7 +15,7 @@ use super::dataset::{Array, Dataset, Role, cell};
 use super::draft::Checked;
 use super::rounding::Rounding;
 use super::stored::{Budget, Kind, from_base64, text_numbers};
-use super::text::count;
+use super::text::{count, words};
 use super::xml::{Event, Tag, Xml, escaped, unescaped};
 use catamaran::base::{Result, push};
 use catamaran::io::Source;
@@ -110,7 +110,14 @@ impl Reader {
         Ok(())
     }
 
-    fn add(&mut self, array: Raw<'_>, budget: &mut Budget<'_, '_>) -> Checked<()> {
+    fn add(&mut self, mut array: Raw<'_>, budget: &mut Budget<'_, '_>) -> Checked<()> {
+        if array.by_columns && array.has_lines_of_rows() {
+            // nibabel writes so, whatever the order that it states.
+            array.by_columns = false;
+            let what = "took numbers of text row by row, as its lines have them, although the file \
+                        says ColumnMajorOrder";
+            self.dataset.draft.notes.add(what, || array.intent.clone());
+        }
         let values = array.values(budget)?;
         let rows = array.shape.first().copied().unwrap_or_default();
         let width = array.shape.iter().skip(1).fold(1, |width: usize, &n| width.saturating_mul(n));
@@ -187,13 +194,29 @@ impl<'a> Raw<'a> {
         })
     }
 
+    /// Returns whether the array is text, each line of which has the numbers of a row.
+    fn has_lines_of_rows(&self) -> bool {
+        let [rows, columns] = self.shape[..] else { return false };
+        if !self.is_text() || rows == columns {
+            return false;
+        }
+        let lines = self.data.split(|&byte| byte == b'\n').map(|line| words(line).count());
+        let mut lines = lines.filter(|&count| count > 0);
+        lines.by_ref().take(rows).filter(|&count| count == columns).count() == rows
+            && lines.next().is_none()
+    }
+
+    fn is_text(&self) -> bool {
+        // The names of nibabel and of the library in C are other ones.
+        matches!(self.encoding.as_str(), "ASCII" | "GIFTI_ENCODING_ASCII")
+    }
+
     /// Returns the numbers, row by row.
     fn values(&self, budget: &mut Budget<'_, '_>) -> Checked<Vec<f64>> {
         let size = self.shape.iter().fold(1, |size: usize, &n| size.saturating_mul(n));
         budget.take_numbers(size)?;
         let values = match self.encoding.as_str() {
-            // The other names are those of nibabel and of the library in C.
-            "ASCII" | "GIFTI_ENCODING_ASCII" => text_numbers(self.data)?,
+            _ if self.is_text() => text_numbers(self.data)?,
             "Base64Binary" | "GIFTI_ENCODING_B64BIN" => {
                 self.kind.numbers(&from_base64(self.data)?, self.is_big)?
             }

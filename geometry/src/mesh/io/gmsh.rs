@@ -19,6 +19,7 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
     let mut reader = Reader {
         cursor: Cursor::new(without_mark(&bytes)),
         version: Version::Two,
+        word: Kind::U64,
         stored: None,
         vertices: HashMap::new(),
         budget: Budget::new(source),
@@ -79,6 +80,8 @@ fn element(kind: usize) -> Option<(usize, usize)> {
 struct Reader<'s, 'a> {
     cursor: Cursor<'s>,
     version: Version,
+    /// The type of counts and numbers in binary blocks.
+    word: Kind,
     /// Whether a binary file is big endian; `None` for text.
     stored: Option<bool>,
     /// The vertex that a node with this number is.
@@ -106,6 +109,7 @@ impl Reader<'_, '_> {
                     has_format = true;
                     self.nodes()?;
                 }
+                b"Comments" => {}
                 _ if !has_format => return Err("has no $MeshFormat before other sections".into()),
                 b"Nodes" => self.nodes()?,
                 b"Elements" | b"ELM" => self.elements()?,
@@ -161,9 +165,11 @@ impl Reader<'_, '_> {
         if is_binary && self.version == Version::FourZero {
             return Err(not_supported("4.0 in binary"));
         }
-        if self.cursor.count(what)? != 8 {
-            return Err("numbers are not of 8 bytes".into());
-        }
+        self.word = match (self.cursor.count(what)?, self.version) {
+            (8, _) => Kind::U64,
+            (4, Version::Four) => Kind::U32,
+            (size, _) => return Err(format!("numbers of {size} bytes are not supported").into()),
+        };
         if is_binary {
             self.cursor.line();
             let one = self.cursor.bytes(4, "the byte order")?;
@@ -219,7 +225,7 @@ impl Reader<'_, '_> {
         }
         for _ in 0..self.blocks(WHAT)? {
             let [dimension, _, parametric] = self.block()?;
-            let count = self.count(Kind::U64, WHAT)?;
+            let count = self.count(self.word, WHAT)?;
             let parameters = if parametric == 0.0 { 0 } else { whole(dimension)? };
             if parameters > 3 {
                 return Err(
@@ -234,7 +240,7 @@ impl Reader<'_, '_> {
                 }
                 continue;
             }
-            let numbers = self.numbers(count, Kind::U64, WHAT)?;
+            let numbers = self.numbers(count, self.word, WHAT)?;
             let values = self.numbers(count.saturating_mul(width), Kind::F64, WHAT)?;
             for (number, position) in numbers.into_iter().zip(values.chunks_exact(width)) {
                 self.node(number, &position[..3])?;
@@ -246,7 +252,7 @@ impl Reader<'_, '_> {
     /// Returns the number of blocks of a section of version 4.
     fn blocks(&mut self, what: &str) -> Checked<usize> {
         let numbers = if self.version == Version::FourZero { 2 } else { 4 };
-        whole(self.numbers(numbers, Kind::U64, what)?[0])
+        whole(self.numbers(numbers, self.word, what)?[0])
     }
 
     /// Returns the three integers that begin a block of version 4, the dimension of its entity
@@ -266,10 +272,10 @@ impl Reader<'_, '_> {
         if self.version.has_blocks() {
             for _ in 0..self.blocks(WHAT)? {
                 let [_, _, kind] = self.block()?;
-                let count = self.count(Kind::U64, WHAT)?;
+                let count = self.count(self.word, WHAT)?;
                 let (nodes, cell) = known(kind)?;
                 for _ in 0..count {
-                    let row = self.numbers(1 + nodes, Kind::U64, WHAT)?;
+                    let row = self.numbers(1 + nodes, self.word, WHAT)?;
                     self.element(cell, &row[1..])?;
                 }
             }

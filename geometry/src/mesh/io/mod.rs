@@ -25,6 +25,7 @@ mod gifti;
 mod gltf;
 mod gmsh;
 mod labels;
+mod mgh;
 mod notes;
 mod obj;
 mod off;
@@ -77,16 +78,16 @@ use catamaran::io::{Output, Packing, Source, SourceOptions};
 ///   binary file has no number of facets, its size decides.
 /// - `.glb`, `.gltf`: the triangles of the scene, at the places of its nodes and their instances,
 ///   with the morph targets that have a weight; skinned meshes as they are modelled. Vertices of a
-///   mesh with equal positions and colours become one. An extension that a file requires is
-///   supported or an error.
+///   mesh with equal positions and colours become one. Numbers may be packed by Draco or
+///   meshoptimizer. An extension that a file requires is supported or an error.
 /// - `.vtk`, `.vtp`, `.vtu`: the faces of polygons and unstructured grids, and the values of their
-///   points; text, binary, and XML packed by zlib or LZ4.
+///   points; text, binary, and XML packed by zlib, LZ4 or LZMA.
 /// - `.gii`: points, triangles and values of vertices (GIFTI).
 /// - `.white`, `.pial` and others: surfaces of FreeSurfer, of triangles and of quadrilaterals, also
 ///   as text (`.asc`).
 /// - `.msh`: the faces of Gmsh's versions 2 and 4.1, text and binary, and of 1 and 4.0 as text, and
 ///   values of nodes.
-/// - `.3mf`: the objects of the build in their places, in millimetres.
+/// - `.3mf`: the objects of the build in their places, in millimetres, without supports.
 ///
 /// What is left out or replaced is in [`MeshFile::notes`].
 ///
@@ -248,8 +249,8 @@ fn read_lines(source: &mut Source<'_>, format: MeshFormat, path: &Path) -> Resul
 }
 
 /// Reads the values of vertices in the file at `path`, within a limit of memory: those of a mesh,
-/// of a GIFTI file without a surface, of a file of FreeSurfer (`.curv`, `.thickness` and others),
-/// or the numbers of labels of its `.annot`, -1 for none.
+/// of a GIFTI file without a surface, of a file of FreeSurfer (`.curv`, `.thickness` and others,
+/// `.mgh`, `.mgz`), or the numbers of labels of its `.annot`, -1 for none.
 ///
 /// ```
 /// use catamaran::io::SourceOptions;
@@ -269,17 +270,18 @@ fn read_lines(source: &mut Source<'_>, format: MeshFormat, path: &Path) -> Resul
 /// As those of [`read_with()`], also when the file has no values of vertices.
 pub fn read_scalars(path: &Path, options: &SourceOptions<'_>) -> Result<Vec<Scalars>> {
     let ending = MeshFormat::ending(path);
-    if matches!(&ending[..], "mgh" | "mgz") {
-        let what = "MGH is not read: nibabel reads it, and numpy.save writes its values as a table";
-        return Err(Error::file(path, what));
-    }
-    let (mut source, found) = detected(path, options)?;
-    let is_annotation = ending == "annot";
-    let scalars = match found {
-        _ if is_annotation => freesurfer::scalars(&mut source)?,
-        Some(MeshFormat::Gifti) => gifti::scalars(&mut source)?,
-        Some(MeshFormat::FreeSurfer) => freesurfer::scalars(&mut source)?,
-        None if MeshFormat::named(path).0.is_none() => freesurfer::scalars(&mut source)?,
+    let (mut source, content) = detected(path, options)?;
+    let scalars = match content {
+        _ if ending == "annot" => freesurfer::scalars(&mut source)?,
+        Content::Mgh => mgh::scalars(&mut source, &name_of_values(path))?,
+        Content::Mesh(MeshFormat::Gifti) => gifti::scalars(&mut source)?,
+        Content::Mesh(MeshFormat::FreeSurfer) => freesurfer::scalars(&mut source)?,
+        Content::Unknown if is_mgh(&ending) => {
+            return Err(source.fail_at(None, "is no file of values (MGH): damaged, or another one"));
+        }
+        Content::Unknown if MeshFormat::named(path).0.is_none() => {
+            freesurfer::scalars(&mut source)?
+        }
         _ => {
             let MeshFile { scalars, notes, .. } = read_with(path, options)?;
             if scalars.is_empty() && !notes.is_empty() {
@@ -295,16 +297,39 @@ pub fn read_scalars(path: &Path, options: &SourceOptions<'_>) -> Result<Vec<Scal
     }
 }
 
-/// Opens a file, and returns the format that its content has.
-fn detected<'a>(
-    path: &Path,
-    options: &SourceOptions<'a>,
-) -> Result<(Source<'a>, Option<MeshFormat>)> {
+/// What the beginning of a file tells about its content.
+enum Content {
+    Mesh(MeshFormat),
+    /// Values of vertices.
+    Mgh,
+    Unknown,
+}
+
+impl Content {
+    fn is_known(&self) -> bool {
+        !matches!(self, Self::Unknown)
+    }
+}
+
+/// Opens a file, and returns what its content is.
+fn detected<'a>(path: &Path, options: &SourceOptions<'a>) -> Result<(Source<'a>, Content)> {
     let named = MeshFormat::named(path);
     let mut source = Source::open_packed(path, |head| formats::packing(head, named), options)?;
     let head = source.peek(text::LOOK)?;
-    let found = formats::format(&head, source.size());
-    Ok((source, found))
+    let content = match formats::format(&head, source.size()) {
+        _ if mgh::begins(&head) => Content::Mgh,
+        Some(format) => Content::Mesh(format),
+        None => Content::Unknown,
+    };
+    Ok((source, content))
+}
+
+/// Returns the name of the values in a file such as `lh.thickness.mgz`: thickness.
+fn name_of_values(path: &Path) -> String {
+    let name = format::name(path);
+    let (name, _) = Packing::of(&name);
+    let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
+    stem.rsplit('.').next().unwrap_or_default().to_owned()
 }
 
 /// Returns whether [`read_scalars`] reads this file, and not the reader of tables: its name is that
@@ -321,19 +346,24 @@ fn detected<'a>(
 /// ```
 pub fn holds_scalars(path: &Path) -> bool {
     let ending = MeshFormat::ending(path);
-    let mesh = matches!(&ending[..], "gii" | "vtk" | "vtp" | "vtu" | "msh");
     // What is read from a pipe is gone.
-    let by_content =
-        || path.is_file() && matches!(detected(path, &SourceOptions::new()), Ok((_, Some(_))));
-    mesh || names_values(&ending) || by_content()
+    let by_content = || {
+        path.is_file()
+            && detected(path, &SourceOptions::new()).is_ok_and(|(_, content)| content.is_known())
+    };
+    formats::has_functions(&ending) || names_values(&ending) || by_content()
 }
 
 /// Returns whether files whose names end so are values of vertices, of FreeSurfer.
 fn names_values(ending: &str) -> bool {
-    matches!(
-        ending,
-        "annot" | "area" | "avg_curv" | "curv" | "mgh" | "mgz" | "sulc" | "thickness" | "volume"
-    )
+    let is_freesurfer =
+        matches!(ending, "annot" | "area" | "avg_curv" | "curv" | "sulc" | "thickness" | "volume");
+    is_freesurfer || is_mgh(ending)
+}
+
+/// Returns whether files whose names end so are MGH.
+fn is_mgh(ending: &str) -> bool {
+    matches!(ending, "mgh" | "mgz")
 }
 
 /// Writes `file` into `output` in the format that its name implies; the file appears when it is

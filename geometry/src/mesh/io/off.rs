@@ -118,7 +118,7 @@ fn counts(tokens: &mut Tokens<'_, '_>) -> Checked<[usize; 2]> {
     let on_one_line = tokens.left() > 0;
     let faces = count(tokens.next(what)?)?;
     if tokens.left() > 0 || (!on_one_line && tokens.next_line()? && tokens.left() == 1) {
-        count(tokens.next("count of edges")?)?;
+        integer(tokens.next("count of edges")?)?;
     }
     Ok([vertices, faces])
 }

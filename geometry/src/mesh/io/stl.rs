@@ -119,6 +119,8 @@ struct Text {
     /// Whether a solid has begun and not yet ended, and the same of a facet.
     in_solid: bool,
     in_facet: bool,
+    /// Whether a statement has followed the beginning of the facet.
+    is_followed: bool,
     corners: Vec<[f64; 3]>,
     /// Whether any statement was one of STL, and the line of the first that was not.
     is_stl: bool,
@@ -191,7 +193,16 @@ impl Text {
     ) -> Checked<()> {
         let Some(keyword) = words.next() else { return Ok(()) };
         let place = || format!("line {line_number}");
-        match keyword.to_ascii_lowercase().as_slice() {
+        let lower = keyword.to_ascii_lowercase();
+        if self.in_facet && matches!(&lower[..], b"facet" | b"endsolid") {
+            if self.corners.len() == 3 {
+                soup.draft.notes.add("took facets without an endfacet", place);
+                self.end_facet(soup, place)?;
+            }
+            // The words that began a facet were part of the name of the solid.
+            self.in_facet &= self.is_followed;
+        }
+        match &lower[..] {
             b"solid" if !self.in_facet => {
                 self.in_solid = true;
                 skip_name(words);
@@ -203,31 +214,25 @@ impl Text {
                 self.in_solid |= words.peek().is_some();
             }
             b"facet" if !self.in_facet => {
-                self.in_facet = true;
+                (self.in_facet, self.is_followed) = (true, false);
                 skip_to_statement(words);
             }
             b"outer" | b"endloop" if self.in_facet => {
+                self.is_followed = true;
                 skip_to_statement(words);
             }
             b"vertex" if self.in_facet => {
                 if self.corners.len() == 3 {
                     return Err("a facet has more than three vertices".into());
                 }
+                self.is_followed = true;
                 self.corners.push(super::text::numbers(words)?);
                 if skip_to_statement(words) {
                     let what = "left out words after the three numbers of vertices";
                     soup.draft.notes.add(what, place);
                 }
             }
-            b"endfacet" if self.in_facet => {
-                let &[a, b, c] = self.corners.as_slice() else {
-                    let count = self.corners.len();
-                    return Err(format!("a facet has {count} vertices, not 3").into());
-                };
-                soup.push([a, b, c], place)?;
-                self.corners.clear();
-                self.in_facet = false;
-            }
+            b"endfacet" if self.in_facet => self.end_facet(soup, place)?,
             b"solid" | b"endsolid" | b"facet" | b"outer" | b"endloop" | b"vertex" | b"endfacet" => {
                 return Err(format!("{} is out of place", quoted(keyword)).into());
             }
@@ -241,6 +246,17 @@ impl Text {
             }
         }
         self.is_stl = true;
+        Ok(())
+    }
+
+    fn end_facet(&mut self, soup: &mut Soup, place: impl Fn() -> String) -> Checked<()> {
+        let &[a, b, c] = self.corners.as_slice() else {
+            let count = self.corners.len();
+            return Err(format!("a facet has {count} vertices, not 3").into());
+        };
+        soup.push([a, b, c], place)?;
+        self.corners.clear();
+        self.in_facet = false;
         Ok(())
     }
 }

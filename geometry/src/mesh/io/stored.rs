@@ -11,7 +11,7 @@ use flate2::bufread::{GzDecoder, ZlibDecoder};
 use super::draft::{Checked, Fault, roomy};
 use super::text::{number, words};
 use catamaran::base::{Error, push, reserved};
-use catamaran::io::Source;
+use catamaran::io::{Source, unxz};
 
 /// The type of stored numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -178,17 +178,25 @@ impl<'s, 'a> Budget<'s, 'a> {
         }
     }
 
+    /// Appends to `out` what a stream of xz unpacks to, which is `size` bytes.
+    pub fn xz(&mut self, packed: &[u8], size: usize, out: &mut Vec<u8>) -> Checked<()> {
+        self.exactly(unxz(packed), size, out)
+    }
+
     /// Appends to `out` what a stream of zlib or gzip unpacks to, which is `size` bytes.
     pub fn inflate(&mut self, packed: &[u8], size: usize, out: &mut Vec<u8>) -> Checked<()> {
+        match packed.starts_with(b"\x1f\x8b") {
+            true => self.exactly(GzDecoder::new(packed), size, out),
+            false => self.exactly(ZlibDecoder::new(packed), size, out),
+        }
+    }
+
+    /// Appends to `out` what a stream unpacks to, which is `size` bytes.
+    fn exactly(&mut self, stream: impl Read, size: usize, out: &mut Vec<u8>) -> Checked<()> {
         self.take(size)?;
         let before = out.len();
         // One byte more than announced, so that the content of a wrong size is not all unpacked.
-        let most = (size as u64).saturating_add(1);
-        let read = if packed.starts_with(b"\x1f\x8b") {
-            GzDecoder::new(packed).take(most).read_to_end(out)
-        } else {
-            ZlibDecoder::new(packed).take(most).read_to_end(out)
-        };
+        let read = stream.take((size as u64).saturating_add(1)).read_to_end(out);
         read.map_err(|e| Fault::from(format!("can't be unpacked: {e}")))?;
         match out.len() - before {
             unpacked if unpacked == size => Ok(()),

@@ -30,14 +30,19 @@ pub(super) fn ends_in_returns(head: &[u8]) -> bool {
     let first_lines = head.split(|&byte| byte == b'\n').next().unwrap_or_default();
     let returns = first_lines.iter().filter(|&&byte| byte == b'\r').count();
     // A file with a few stray ones has line feeds, too; binary files have zeros.
-    returns > 2 && (first_lines.starts_with(b"ply") || !head.contains(&0))
+    returns > 2 && (is_ply(first_lines) || !head.contains(&0))
+}
+
+/// Returns whether a file begins as PLY does.
+pub(super) fn is_ply(head: &[u8]) -> bool {
+    head.get(..3).is_some_and(|start| start.eq_ignore_ascii_case(b"ply"))
 }
 
 /// Replaces the carriage returns of text by line feeds: those of the header in binary PLY.
 pub(super) fn returns_to_feeds(bytes: &mut [u8]) {
     let find = |what: &[u8]| bytes.windows(what.len()).position(|window| window == what);
     let end = match (find(b"\rformat binary"), find(b"\rend_header")) {
-        (Some(_), Some(last)) if bytes.starts_with(b"ply") => {
+        (Some(_), Some(last)) if is_ply(bytes) => {
             let length = bytes[last + 1..].iter().position(|&byte| byte == b'\r');
             last + 1 + length.map_or(0, |length| length + 1)
         }

@@ -48,6 +48,8 @@ fn mesh(bytes: &[u8], budget: &mut Budget<'_, '_>) -> Checked<MeshFile> {
 /// An object: a mesh, or other objects.
 #[derive(Default)]
 struct Object {
+    /// Whether it only holds others up while they are printed.
+    is_support: bool,
     vertices: Vec<[f64; 3]>,
     faces: Vec<[u32; 3]>,
     components: Vec<Item>,
@@ -81,6 +83,8 @@ struct Package<'p, 's, 'a> {
     budget: &'p mut Budget<'s, 'a>,
     objects: HashMap<(u32, usize), Rc<Object>>,
     items: Vec<Item>,
+    /// How often a support was left out, and its number at first.
+    supports: (usize, usize),
     /// The names of the parts to read, the root first, and their numbers.
     parts: Vec<String>,
     numbers: Numbers<String>,
@@ -99,6 +103,7 @@ impl<'p, 's, 'a> Package<'p, 's, 'a> {
             budget,
             objects: HashMap::new(),
             items: Vec::new(),
+            supports: (0, 0),
             parts: Vec::new(),
             numbers: Numbers::default(),
             scale: 1.0,
@@ -128,7 +133,10 @@ impl<'p, 's, 'a> Package<'p, 's, 'a> {
 
     /// Returns the content of a part.
     fn part(&mut self, name: &str) -> Checked<Vec<u8>> {
+        // Names of parts differ in more than the case of letters (OPC, section 6.3.5).
+        let is_same = |other: &[u8]| other.eq_ignore_ascii_case(name.as_bytes());
         let at = self.archive.index_for_name(name);
+        let at = at.or_else(|| self.archive.file_names_raw().position(is_same));
         let at = at.ok_or_else(|| format!("the archive has no part {name:?}"))?;
         let fail = |e: &dyn std::fmt::Display| format!("{name}: can't be unpacked: {e}");
         let mut entry = self.archive.by_index(at).map_err(|e| fail(&e))?;
@@ -190,7 +198,12 @@ impl<'p, 's, 'a> Package<'p, 's, 'a> {
                         (self.scale, self.unit) = (scale, unit.into_owned());
                     }
                 }
-                b"object" => open = Some((count(tag.bytes("id")?)?, Object::default())),
+                b"object" => {
+                    let kind = tag.get("type");
+                    let is_support = matches!(kind.as_deref(), Some("support" | "solidsupport"));
+                    let object = Object { is_support, ..Object::default() };
+                    open = Some((count(tag.bytes("id")?)?, object));
+                }
                 b"item" if is_root => {
                     let item = self.placed(&tag, part, scale)?;
                     push(&mut self.items, item)?;
@@ -238,6 +251,12 @@ impl<'p, 's, 'a> Package<'p, 's, 'a> {
         for item in &items {
             self.place(item, &item.transform, 0, draft)?;
         }
+        if draft.faces.is_empty() && self.supports.0 > 0 {
+            return Err("has supports only, which are left out: no object to print".into());
+        }
+        let (supports, first) = self.supports;
+        let what = "left out supports, which hold objects while they are printed: objects";
+        draft.notes.add_many(what, supports, || format!("object {first}"));
         if self.scale != 1.0 {
             let unit = self.unit.clone();
             draft.notes.add("converted to millimetres", || format!("the unit {unit}"));
@@ -259,6 +278,11 @@ impl<'p, 's, 'a> Package<'p, 's, 'a> {
         }
         let object = self.objects.get(&item.object).cloned();
         let object = object.ok_or_else(|| format!("object {id} does not exist"))?;
+        if object.is_support {
+            let (count, first) = self.supports;
+            self.supports = (count + 1, if count == 0 { *id } else { first });
+            return Ok(());
+        }
         // Few objects can be many in their places, also when they are empty.
         let (vertices, faces) = (object.vertices.len(), object.faces.len());
         let bytes = PLACE + size_of::<[f64; 3]>() * vertices;

@@ -17,7 +17,18 @@ impl Content {
     /// an extension says where their numbers are.
     pub fn is_stored(&self, index: usize) -> Checked<bool> {
         let accessor = self.accessor(index)?;
-        Ok(accessor.buffer_view.is_some() || accessor.sparse.is_some())
+        let is_plain = accessor.buffer_view.is_some() || accessor.sparse.is_some();
+        Ok(is_plain || self.decoded.contains_key(&index))
+    }
+
+    /// Returns the number of elements of an accessor: those that are unpacked, where it is packed.
+    pub fn count(&self, index: usize) -> Checked<usize> {
+        let accessor = self.accessor(index)?;
+        let width = width(&accessor.kind).unwrap_or(1);
+        match self.decoded.get(&index) {
+            Some(Ok(values)) => Ok(values.len() / width),
+            _ => Ok(accessor.count),
+        }
     }
 
     /// Returns the elements of an accessor, of `N` numbers each.
@@ -27,6 +38,11 @@ impl Content {
             let width = width(&accessor.kind);
             if width != Some(N) {
                 return Err(format!("type {:?} does not have {N} numbers", accessor.kind).into());
+            }
+            match self.decoded.get(&number) {
+                Some(Ok(values)) => return Ok(values.as_chunks::<N>().0.to_vec()),
+                Some(Err(what)) => return Err(what.as_str().into()),
+                None => {}
             }
             let layout = Layout {
                 component: accessor.component_type,
@@ -98,7 +114,7 @@ impl Content {
     }
 
     /// Returns the bytes of a view, unpacked.
-    fn bytes(&self, number: usize, view: &View) -> Checked<&[u8]> {
+    pub fn bytes(&self, number: usize, view: &View) -> Checked<&[u8]> {
         match self.unpacked.get(&number) {
             Some(Ok(bytes)) => return Ok(bytes),
             Some(Err(what)) => return Err(format!("view {number}: {what}").into()),
@@ -139,16 +155,16 @@ fn component_size(code: u32) -> Option<usize> {
 }
 
 /// The storage of elements.
-struct Layout {
-    component: u32,
+pub(super) struct Layout {
+    pub component: u32,
     /// Whether integers represent fractions of their maximum.
-    normalized: bool,
-    count: usize,
+    pub normalized: bool,
+    pub count: usize,
 }
 
 impl Layout {
     /// Returns the number in these bytes, as many as the component type has.
-    fn number(&self, bytes: &[u8]) -> f64 {
+    pub fn number(&self, bytes: &[u8]) -> f64 {
         let mut wide = [0; 4];
         wide.iter_mut().zip(bytes).for_each(|(to, from)| *to = *from);
         let bits = u32::from_le_bytes(wide);

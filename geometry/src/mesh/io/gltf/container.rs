@@ -10,9 +10,10 @@ use super::super::beside::beside;
 use super::super::draft::{Checked, Fault};
 use super::super::stored::from_base64;
 use super::super::text::without_mark;
-use super::document::{Buffer, Document, Packed, View};
+use super::document::{Buffer, Document, Draco, Packed, Primitive, View};
 use super::extensions::{self, check_required, unsupported};
-use super::meshopt;
+use super::{draco, meshopt};
+use catamaran::base::push;
 use catamaran::io::Source;
 
 /// The first bytes of a binary file, and the types of its chunks.
@@ -26,6 +27,9 @@ pub(super) struct Content {
     pub buffers: Vec<Vec<u8>>,
     /// The bytes of views that are packed, or what is wrong with them, by the number of the view.
     pub unpacked: BTreeMap<usize, Result<Vec<u8>, String>>,
+    /// The numbers of accessors that Draco packs, or what is wrong with them, by the number of the
+    /// accessor.
+    pub decoded: BTreeMap<usize, Result<Vec<f64>, String>>,
 }
 
 impl Content {
@@ -87,7 +91,79 @@ impl Content {
             };
             unpacked.insert(i, content);
         }
-        Ok(Self { document, buffers, unpacked })
+        let mut content = Self { document, buffers, unpacked, decoded: BTreeMap::new() };
+        content.decoded = content.unpacked_primitives(source)?;
+        Ok(content)
+    }
+
+    /// Returns the numbers of the accessors of primitives that Draco packs, unless the file has
+    /// them unpacked, too.
+    fn unpacked_primitives(
+        &self,
+        source: &Source<'_>,
+    ) -> Checked<BTreeMap<usize, Result<Vec<f64>, String>>> {
+        let mut decoded = BTreeMap::new();
+        // The view that has the numbers of an accessor: primitives with other materials may share
+        // a stream.
+        let mut views = BTreeMap::new();
+        let mut total = 0usize;
+        for primitive in self.document.meshes.iter().flat_map(|mesh| &mesh.primitives) {
+            let Some(packed) = &primitive.extensions.draco else { continue };
+            let view = packed.buffer_view;
+            let own = || {
+                let named = primitive.attributes.named().map(|(_, accessor)| accessor);
+                named.chain(primitive.indices)
+            };
+            let is_stored = |accessor: usize| self.is_stored(accessor).unwrap_or(true);
+            let is_known = |accessor: usize| views.get(&accessor) == Some(&view);
+            if primitive.indices.is_none() || own().all(is_stored) || own().all(is_known) {
+                continue;
+            }
+            let numbers: Vec<_> = match self.unpack_primitive(primitive, packed, source.memory()) {
+                Err(Fault::Error(error)) => return Err(error.into()),
+                // A primitive of no node may be broken.
+                Err(Fault::What(what)) => {
+                    let what = format!("{}: {what}", draco::NAME);
+                    own().map(|accessor| (accessor, Err(what.clone()))).collect()
+                }
+                Ok(numbers) => numbers.into_iter().map(|(i, values)| (i, Ok(values))).collect(),
+            };
+            for (accessor, values) in numbers {
+                if views.insert(accessor, view).is_some_and(|other| other != view) {
+                    let what = format!("accessor {accessor} is packed in two views");
+                    return Err(format!("{}: {what}", draco::NAME).into());
+                }
+                total = total.saturating_add(values.as_ref().map_or(0, Vec::len));
+                source.check_memory::<f64>("what Draco unpacks to", total)?;
+                decoded.insert(accessor, values);
+            }
+        }
+        Ok(decoded)
+    }
+
+    /// Returns the numbers of each accessor of a primitive that Draco packs.
+    fn unpack_primitive(
+        &self,
+        primitive: &Primitive,
+        packed: &Draco,
+        memory: u64,
+    ) -> Checked<Vec<(usize, Vec<f64>)>> {
+        let number = packed.buffer_view;
+        let views = &self.document.buffer_views;
+        let view = views.get(number);
+        let view = view.ok_or_else(|| format!("view {number} is out of range"))?;
+        let unpacked = draco::Unpacked::new(self.bytes(number, view)?, memory)?;
+        let mut numbers = Vec::new();
+        if let Some(indices) = primitive.indices {
+            push(&mut numbers, (indices, unpacked.corners()?))?;
+        }
+        for (name, accessor) in primitive.attributes.named() {
+            // The file has the values of other attributes, of the same vertices.
+            let Some(&id) = packed.attributes.get(name) else { continue };
+            let values = unpacked.values(id, self.accessor(accessor)?)?;
+            push(&mut numbers, (accessor, values))?;
+        }
+        Ok(numbers)
     }
 }
 

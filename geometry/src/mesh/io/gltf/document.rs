@@ -124,7 +124,25 @@ pub(super) struct Primitive {
     pub mode: Option<u32>,
     /// Morph targets: displacements of the attributes.
     pub targets: Vec<Attributes>,
-    pub extensions: Extensions,
+    pub extensions: PrimitiveExtensions,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default)]
+pub(super) struct PrimitiveExtensions {
+    #[serde(rename = "KHR_draco_mesh_compression")]
+    pub draco: Option<Draco>,
+    #[serde(flatten)]
+    pub others: Extensions,
+}
+
+/// The view that has a stream of Draco, and the numbers of its attributes, by name.
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Draco {
+    pub buffer_view: usize,
+    #[serde(default)]
+    pub attributes: BTreeMap<String, u32>,
 }
 
 /// Indices of accessors.
@@ -139,6 +157,19 @@ pub(super) struct Attributes {
     pub color: Option<usize>,
     #[serde(flatten)]
     pub others: BTreeMap<String, IgnoredAny>,
+}
+
+impl Attributes {
+    /// Returns the names and accessors of the attributes that are read.
+    pub fn named(&self) -> impl Iterator<Item = (&'static str, usize)> {
+        let all = [
+            ("POSITION", self.position),
+            ("NORMAL", self.normal),
+            ("TEXCOORD_0", self.uv),
+            ("COLOR_0", self.color),
+        ];
+        all.into_iter().filter_map(|(name, accessor)| Some((name, accessor?)))
+    }
 }
 
 #[derive(Default, Deserialize)]

@@ -3,11 +3,15 @@
 use super::super::draft::{Checked, Fault};
 use super::super::notes::Notes;
 use super::document::{Document, Extensions};
-use super::meshopt;
+use super::{draco, meshopt};
 
 /// Extensions that compress the numbers of a mesh. A file may have the same numbers uncompressed;
 /// then these are read.
-const COMPRESSION: [&str; 2] = ["KHR_draco_mesh_compression", "KHR_meshopt_compression"];
+const COMPRESSION: [&str; 2] = [draco::NAME, MESHOPT];
+
+/// Extends the extension of the same name that begins with EXT, which is applied, by streams and
+/// filters that are not supported.
+const MESHOPT: &str = "KHR_meshopt_compression";
 
 /// Extensions that the reader applies.
 const APPLIED: [&str; 4] =
@@ -39,7 +43,10 @@ pub(super) fn check_required(document: &Document) -> Checked<()> {
 pub(super) fn unsupported(name: &str) -> Fault {
     match COMPRESSION.contains(&name) {
         true => {
-            let what = format!("compressed by the extension {name}, which is not supported");
+            let is_known = name == draco::NAME;
+            let why =
+                if is_known { "but its numbers are not there" } else { "which is not supported" };
+            let what = format!("compressed by the extension {name}, {why}");
             format!("{what}: import it into Blender, and export without compression").into()
         }
         false => format!("requires the extension {name}, which is not supported").into(),
@@ -71,7 +78,7 @@ pub(super) fn note_left_out(document: &Document, notes: &mut Notes) {
     for (i, mesh) in document.meshes.iter().enumerate() {
         note(&mesh.extensions, &|| format!("mesh {i}"));
         for (p, primitive) in mesh.primitives.iter().enumerate() {
-            note(&primitive.extensions, &|| format!("mesh {i}, primitive {p}"));
+            note(&primitive.extensions.others, &|| format!("mesh {i}, primitive {p}"));
         }
     }
     for (i, accessor) in document.accessors.iter().enumerate() {
@@ -87,7 +94,7 @@ pub(super) fn note_left_out(document: &Document, notes: &mut Notes) {
 
 /// Returns whether the reader lacks an extension that may hold or change the triangles.
 fn is_unsupported(name: &str) -> bool {
-    COMPRESSION.contains(&name) || changes_triangles(name)
+    name == MESHOPT || changes_triangles(name)
 }
 
 /// Returns whether an extension may change the triangles in a way that the reader does not apply.
@@ -108,14 +115,17 @@ mod tests {
                 r#"{{"extensionsUsed": [{used}], "meshes": [{{"primitives": [{primitive}]}}]}}"#
             );
             let document: Document = serde_json::from_str(&json).unwrap();
-            source(&document.meshes[0].primitives[0].extensions, &document).map(str::to_owned)
+            let primitive = &document.meshes[0].primitives[0];
+            source(&primitive.extensions.others, &document).map(str::to_owned)
         };
-        let draco = r#""KHR_draco_mesh_compression""#;
+        let meshopt = r#""KHR_meshopt_compression""#;
         let (features, variants) = (r#""EXT_mesh_features""#, r#""KHR_materials_variants""#);
-        let name = Some("KHR_draco_mesh_compression");
-        let used = format!("{features}, {draco}");
+        let name = Some("KHR_meshopt_compression");
+        let used = format!("{features}, {meshopt}");
+        let draco = r#""KHR_draco_mesh_compression""#;
+        assert_eq!(found(draco, "").as_deref(), Some("KHR_draco_mesh_compression"));
         assert_eq!(found(&used, &format!("{features}: {{}}")).as_deref(), name);
-        assert_eq!(found("", &format!("{features}: {{}}, {draco}: {{}}")).as_deref(), name);
+        assert_eq!(found("", &format!("{features}: {{}}, {meshopt}: {{}}")).as_deref(), name);
         assert_eq!(found(variants, &format!("{variants}: {{}}")), None);
         let other = r#""AGI_sky": {}, "FOO_points": {}"#;
         assert_eq!(found("", other).as_deref(), Some("FOO_points"));

@@ -7,6 +7,7 @@ mod accessor;
 mod assembly;
 mod container;
 mod document;
+mod draco;
 mod encoding;
 mod extensions;
 mod material;
@@ -81,7 +82,9 @@ impl Reader<'_, '_, '_> {
         place: &dyn Fn() -> String,
     ) -> Checked<()> {
         let notes = &mut self.assembly.draft.notes;
-        let mode = primitive.mode.unwrap_or(code::TRIANGLES);
+        // What Draco packs is triangles, also where they were strips.
+        let is_packed = primitive.indices.is_some_and(|i| self.content.decoded.contains_key(&i));
+        let mode = if is_packed { None } else { primitive.mode }.unwrap_or(code::TRIANGLES);
         if (code::LINES..=code::LINE_STRIP).contains(&mode) {
             notes.add("left out primitives of lines", place);
             return Ok(());
@@ -102,7 +105,7 @@ impl Reader<'_, '_, '_> {
         let vertices = self.assembly.vertices.len() - first as usize;
         let corners: Vec<u32> = match primitive.indices {
             Some(indices) => {
-                self.check_room(self.content.accessor(indices)?.count)?;
+                self.check_room(self.content.count(indices)?)?;
                 let inside = |[number]: [f64; 1]| match index(number) {
                     Some(known) if known < vertices => Ok(first + known as u32),
                     _ => Err(number),
@@ -150,12 +153,12 @@ impl Reader<'_, '_, '_> {
         place: &dyn Fn() -> String,
     ) -> Checked<u32> {
         let content = self.content;
-        let count = content.accessor(positions)?.count;
+        let count = content.count(positions)?;
         self.check_room(count)?;
         let attributes = &primitive.attributes;
         for attribute in [attributes.normal, attributes.uv, attributes.color].into_iter().flatten()
         {
-            let given = content.accessor(attribute)?.count;
+            let given = content.count(attribute)?;
             if given != count {
                 return Err(format!("an attribute has {given} values, not {count}").into());
             }
@@ -202,7 +205,7 @@ impl Reader<'_, '_, '_> {
         weight: f64,
     ) -> Checked<()> {
         let (Some(values), Some(target)) = (values, target) else { return Ok(()) };
-        let given = self.content.accessor(target)?.count;
+        let given = self.content.count(target)?;
         if given != values.len() {
             return Err(format!("a morph target has {given} values, not {}", values.len()).into());
         }
@@ -223,7 +226,9 @@ impl Reader<'_, '_, '_> {
         for number in [primitive.attributes.position, primitive.indices].into_iter().flatten() {
             if !self.content.is_stored(number)? {
                 let document = &self.content.document;
-                if let Some(name) = extensions::source(&primitive.extensions, document) {
+                let own = &primitive.extensions;
+                let packed = own.draco.as_ref().map(|_| draco::NAME);
+                if let Some(name) = packed.or_else(|| extensions::source(&own.others, document)) {
                     return Err(extensions::unsupported(name));
                 }
                 let what = "took 0 for positions and vertex numbers that are not in the file";

@@ -132,7 +132,7 @@ fn each_instance(
 ) -> Checked<()> {
     let mut count = None;
     for &accessor in instances.attributes.values() {
-        let given = content.accessor(accessor)?.count;
+        let given = content.count(accessor)?;
         if *count.get_or_insert(given) != given {
             return Err("attributes of different counts".into());
         }

@@ -8,7 +8,8 @@ pub(super) use super::super::stored::Kind as Type;
 impl Type {
     /// Parses the name of a type, also of those that programs take over from NumPy.
     pub fn parse(word: &[u8]) -> Checked<Self> {
-        let name = match word {
+        let lower = word.to_ascii_lowercase();
+        let name = match &lower[..] {
             [b'<' | b'>' | b'=' | b'|', name @ ..] => name,
             name => name,
         };

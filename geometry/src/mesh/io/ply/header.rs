@@ -17,7 +17,8 @@ pub(super) struct Header {
 impl Header {
     /// Reads the header, and notes the lines that it skips.
     pub fn read(source: &mut Source<'_>, notes: &mut Notes) -> Result<Self> {
-        if source.next_bytes()?.unwrap_or_default().trim_ascii() != b"ply" {
+        let first = source.next_bytes()?.unwrap_or_default().trim_ascii();
+        if !first.eq_ignore_ascii_case(b"ply") {
             return Err(source.fail("not a PLY file: its first line must be 'ply'"));
         }
         let mut encoding = None;
@@ -85,16 +86,17 @@ fn statement(
     let words: Vec<&[u8]> = words(line).collect();
     match words[..] {
         [] | [b"comment" | b"obj_info", ..] => {}
-        [b"format", name, version] => {
+        // Programs that leave the version out, or its decimals, write the only one.
+        [b"format", name] | [b"format", name, b"1.0" | b"1"] => {
             *encoding = Some(match name {
                 b"ascii" => PlyEncoding::Ascii,
                 b"binary_little_endian" => PlyEncoding::LittleEndian,
                 b"binary_big_endian" => PlyEncoding::BigEndian,
                 _ => return Err(format!("unknown format {}", quoted(name)).into()),
             });
-            if version != b"1.0" {
-                return Err(format!("version {} of PLY, must be 1.0", quoted(version)).into());
-            }
+        }
+        [b"format", _, version] => {
+            return Err(format!("version {} of PLY, must be 1.0", quoted(version)).into());
         }
         [b"element", name, number] => {
             let name = String::from_utf8_lossy(name).into_owned();

@@ -81,28 +81,70 @@ impl<'s, 'a> Rows<'s, 'a> {
                 let (name, count) = (&element.name, element.count);
                 return Err(format!("truncated: {done} of {count} rows of element {name}").into());
             };
-            let mut words = text::words(line).peekable();
-            if words.peek().is_none() {
-                continue;
-            }
-            let mut next = || words.next().ok_or_else(|| Fault::from("too few numbers"));
-            let (mut scalars, mut lists) = (row.scalars.iter_mut(), row.lists.iter_mut());
-            for property in &element.properties {
-                if property.counted_by.is_none() {
-                    if let Some(scalar) = scalars.next() {
-                        *scalar = text::number(next()?)?;
-                    }
-                } else if let Some(list) = lists.next() {
-                    list.clear();
-                    for _ in 0..list_length(text::number(next()?)?)? {
-                        push(list, text::number(next()?)?)?;
-                    }
+            // Whether there are more numbers; `None`: fewer.
+            let more = {
+                let mut words = text::words(line).peekable();
+                if words.peek().is_none() {
+                    continue;
                 }
-            }
-            if words.next().is_some() {
-                *longer = (longer.0 + 1, if longer.0 == 0 { number } else { longer.1 });
+                filled(row, element, &mut words)?.map(|()| words.next().is_some())
+            };
+            match more {
+                None => {
+                    let first = line.to_vec();
+                    return self.continued_row(&first, number);
+                }
+                Some(true) => {
+                    *longer = (longer.0 + 1, if longer.0 == 0 { number } else { longer.1 });
+                }
+                Some(false) => {}
             }
             return Ok(());
+        }
+    }
+
+    /// Reads a row of text whose first line, number `number`, has too few numbers: those of the
+    /// next lines must be just the others.
+    fn continued_row(&mut self, first: &[u8], number: usize) -> Checked<()> {
+        let Self { source, element, row, .. } = self;
+        let too_few = |source: &Source<'_>| Fault::Error(source.fail_at(number, "too few numbers"));
+        let (mut scalars, mut lists) = (row.scalars.iter_mut(), row.lists.iter_mut());
+        let mut properties = element.properties.iter().peekable();
+        // The list that is being read, and how many numbers it lacks.
+        let mut open: Option<(&mut Vec<f64>, usize)> = None;
+        let mut line = first.to_vec();
+        loop {
+            {
+                let mut words = text::words(&line);
+                loop {
+                    if let Some((list, left @ 1..)) = &mut open {
+                        let Some(word) = words.next() else { break };
+                        push(list, text::number(word)?)?;
+                        *left -= 1;
+                        continue;
+                    }
+                    let Some(property) = properties.peek() else {
+                        let is_longer = words.next().is_some();
+                        return if is_longer { Err(too_few(source)) } else { Ok(()) };
+                    };
+                    let Some(word) = words.next() else { break };
+                    let value = text::number(word)?;
+                    if property.counted_by.is_none() {
+                        if let Some(scalar) = scalars.next() {
+                            *scalar = value;
+                        }
+                    } else if let Some(list) = lists.next() {
+                        list.clear();
+                        open = Some((list, list_length(value)?));
+                    }
+                    properties.next();
+                }
+            }
+            line.clear();
+            match source.next_bytes()? {
+                Some(next) => line.extend_from_slice(next),
+                None => return Err(too_few(source)),
+            }
         }
     }
 
@@ -147,6 +189,31 @@ impl<'s, 'a> Rows<'s, 'a> {
         }
         Ok(())
     }
+}
+
+/// Fills a row with the numbers of a line; `None` if there are too few.
+fn filled<'w>(
+    row: &mut Row,
+    element: &Element,
+    words: &mut impl Iterator<Item = &'w [u8]>,
+) -> Checked<Option<()>> {
+    let (mut scalars, mut lists) = (row.scalars.iter_mut(), row.lists.iter_mut());
+    for property in &element.properties {
+        let Some(word) = words.next() else { return Ok(None) };
+        let value = text::number(word)?;
+        if property.counted_by.is_none() {
+            if let Some(scalar) = scalars.next() {
+                *scalar = value;
+            }
+        } else if let Some(list) = lists.next() {
+            list.clear();
+            for _ in 0..list_length(value)? {
+                let Some(word) = words.next() else { return Ok(None) };
+                push(list, text::number(word)?)?;
+            }
+        }
+    }
+    Ok(Some(()))
 }
 
 /// Returns the length of a list, which may be stored in any type.

@@ -51,16 +51,23 @@ impl Reader<'_> {
         };
         // Cells of an unstructured grid until their types are known.
         let mut cells = None;
+        // Whether the points are those of a grid, and how many it has along each side.
+        let (mut is_grid, mut sides) = (false, None);
         while let Some(line) = self.cursor.full_line() {
             let keyword = operand(line, 0)?.to_ascii_uppercase();
             match keyword.as_slice() {
                 b"DATASET" => match operand(line, 1)?.to_ascii_uppercase().as_slice() {
                     b"POLYDATA" | b"UNSTRUCTURED_GRID" => {}
+                    b"STRUCTURED_GRID" => is_grid = true,
                     _ => {
                         let what = quoted(operand(line, 1)?);
                         return Err(not_a_surface(&format!("a dataset {what}")));
                     }
                 },
+                b"DIMENSIONS" if is_grid => {
+                    let side = |i: usize| operand_count(line, i);
+                    sides = Some([side(1)?, side(2)?, side(3)?]);
+                }
                 b"POINTS" if self.dataset.draft.vertices.is_empty() => {
                     let values = operand_count(line, 1)?.saturating_mul(3);
                     let values = self.values(values, operand(line, 2)?, "the points")?;
@@ -106,10 +113,35 @@ impl Reader<'_> {
                 _ => return Err(format!("{} is out of place", quoted(line)).into()),
             }
         }
-        match cells {
-            None => Ok(()),
-            Some(_) => Err("CELLS without CELL_TYPES".into()),
+        match (cells, sides) {
+            (Some(_), _) => Err("CELLS without CELL_TYPES".into()),
+            (None, Some(sides)) => self.grid(sides),
+            (None, None) if is_grid => Err("a structured grid lacks its DIMENSIONS".into()),
+            (None, None) => Ok(()),
         }
+    }
+
+    /// Adds the quadrilaterals of a grid with so many points along each side, the first of which
+    /// runs fastest.
+    fn grid(&mut self, sides: [usize; 3]) -> Checked<()> {
+        let points = sides.iter().try_fold(1usize, |product, &side| product.checked_mul(side));
+        let count = self.dataset.draft.vertices.len();
+        if points != Some(count) {
+            let [x, y, z] = sides;
+            return Err(format!("{count} points of a grid of {x} x {y} x {z}").into());
+        }
+        let mut long = sides.into_iter().filter(|&side| side > 1);
+        let (Some(across), Some(along), None) = (long.next(), long.next(), long.next()) else {
+            return Err(not_a_surface("a structured grid of volumes or lines"));
+        };
+        let rows = (0..along - 1).flat_map(|j| (0..across - 1).map(move |i| j * across + i));
+        for (i, first) in rows.enumerate() {
+            let corners = [first, first + 1, first + 1 + across, first + across];
+            // Points are counted by 32 bits.
+            let mut corners = corners.map(|corner| corner as u32).to_vec();
+            self.dataset.cell(cell::QUAD, &mut corners, i)?;
+        }
+        Ok(())
     }
 
     /// Returns the type of numbers with this name, and whether it is that of bits, eight of which

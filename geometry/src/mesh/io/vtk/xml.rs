@@ -38,6 +38,7 @@ enum Packing<'a> {
     None,
     Zlib,
     Lz4,
+    Xz,
     /// By the compressor of this name, which is not supported.
     Other(Cow<'a, str>),
 }
@@ -149,6 +150,7 @@ impl<'a> Document<'a> {
                 "" => Packing::None,
                 "vtkZLibDataCompressor" => Packing::Zlib,
                 "vtkLZ4DataCompressor" => Packing::Lz4,
+                "vtkLZMADataCompressor" => Packing::Xz,
                 _ => Packing::Other(name),
             },
         };
@@ -292,10 +294,11 @@ impl<'a> Document<'a> {
             let packed = cursor.bytes(length, format_args!("block {i} of {blocks}"))?;
             match &self.packing {
                 Packing::Lz4 => budget.lz4(packed, unpacked, &mut bytes)?,
+                Packing::Xz => budget.xz(packed, unpacked, &mut bytes)?,
                 Packing::Other(name) => {
                     let what = format!(
-                        "packed by {name}, where zlib and LZ4 are read: write the file anew with \
-                         one of them (ParaView: compressor type; vtkXMLWriter: \
+                        "packed by {name}, where zlib, LZ4 and LZMA are read: write the file anew \
+                         with one of them (ParaView: compressor type; vtkXMLWriter: \
                          SetCompressorTypeToZLib)"
                     );
                     return Err(what.into());
