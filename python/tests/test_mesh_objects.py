@@ -1,5 +1,6 @@
 """Meshes of other packages, and conversions to them."""
 
+import pickle
 from types import SimpleNamespace
 
 import numpy as np
@@ -103,3 +104,28 @@ def test_faces_beside_a_mesh_or_a_basis_are_refused():
         catamaran.Eigenbasis(catamaran.Mesh(V, F), 4)
     with pytest.raises(TypeError, match="f: not together with a basis"):
         catamaran.eigenproducts(catamaran.Eigenbasis(V, F, 4), 3)
+
+
+@pytest.mark.parametrize("make", [of_trimesh, of_meshio, of_pyvista, lambda: (V, F)])
+def test_a_mesh_is_made_of_one_of_another_package(make):
+    mesh = catamaran.Mesh(make())
+    assert type(mesh.v) is type(mesh.f) is np.ndarray
+    assert np.array_equal(mesh.v, V) and np.array_equal(mesh.f, F)
+    assert mesh.area == catamaran.Mesh(V, F).area
+    again = pickle.loads(pickle.dumps(mesh))
+    assert isinstance(again, catamaran.Mesh) and np.array_equal(again.f, F)
+
+
+def test_what_is_taken_for_a_mesh_says_how_to_make_one(tmp_path):
+    for name in ("a.ply", tmp_path / "a.ply"):
+        with pytest.raises(TypeError, match=r"v: expected .*, got a name: read_mesh\('.*a.ply'\)"):
+            catamaran.eigsh(name, k=3)
+    trimesh = pytest.importorskip("trimesh")
+    scene = trimesh.Scene([of_trimesh()])
+    with pytest.raises(TypeError, match=r"v: expected a mesh, got a Scene: to_mesh\(\)"):
+        catamaran.repair(scene)
+    assert np.array_equal(catamaran.repair(scene.to_mesh()).mesh.f, F)
+    with pytest.raises(TypeError, match="v: expected a mesh, or vertices and faces, got int"):
+        catamaran.Mesh(3)
+    with pytest.raises(ValueError, match="v: 3 entries are masked"):
+        catamaran.Mesh(np.ma.array(V, mask=np.arange(V.size).reshape(V.shape) < 3), F)

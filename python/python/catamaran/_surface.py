@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from functools import wraps
 from typing import (
     Any,
@@ -39,8 +40,22 @@ __all__ = [
 ]
 
 
-class Mesh(NamedTuple):
+class _Arrays(NamedTuple):
+    """What a `Mesh` is a tuple of."""
+
+    #: Vertices, n x 3.
+    v: NDArray[np.float64]
+    #: Faces, m x 3.
+    f: NDArray[Any]
+
+
+class Mesh(_Arrays):
     """A mesh: a pair of arrays, which is given back as a mesh of another package on request.
+
+    Parameters
+    ----------
+    v, f : array_like, n x 3 and m x 3
+        Vertices and faces; or a mesh of trimesh, meshio or pyvista instead of both.
 
     Examples
     --------
@@ -52,10 +67,11 @@ class Mesh(NamedTuple):
     (0, 480)
     """
 
-    #: Vertices, n x 3.
-    v: NDArray[np.float64]
-    #: Faces, m x 3.
-    f: NDArray[Any]
+    __slots__ = ()
+
+    def __new__(cls, v: Union[ArrayLike, MeshLike], f: Optional[ArrayLike] = None) -> Mesh:
+        found = needed("v", v) if f is None else (v, f)
+        return super().__new__(cls, *map(array_of, ("v", "f"), found))
 
     def to_trimesh(self, **options: Any) -> Any:
         """Return a `trimesh.Trimesh` with these vertices and faces; `options` go to it."""
@@ -313,6 +329,11 @@ def mesh_arrays(mesh: Any) -> Optional[Tuple[Any, Any]]:
     return None
 
 
+def array_of(name: str, a: Any) -> Any:
+    """Return an array as it is, a list as an array; a mask is refused."""
+    return a if type(a) is np.ndarray else matrix_of(name, a)
+
+
 def needed(name: str, mesh: Any) -> Tuple[Any, Any]:
     """Return vertices and faces of a mesh, or of a pair of them."""
     found = mesh_arrays(mesh) or mesh
@@ -320,6 +341,20 @@ def needed(name: str, mesh: Any) -> Tuple[Any, Any]:
         kind = type(mesh).__name__
         raise TypeError(f"{name}: expected a mesh, or vertices and faces, got {kind}")
     return found[0], found[1]
+
+
+def refuse_others(v: Any) -> None:
+    """Refuse what people take for a mesh: the name of a file, and a scene of trimesh.
+
+    Raises
+    ------
+    TypeError
+        Says what makes a mesh of it.
+    """
+    if isinstance(v, (str, os.PathLike)):
+        raise TypeError(f"v: expected a mesh, got a name: read_mesh({os.fspath(v)!r}) reads one")
+    if hasattr(v, "geometry") and hasattr(v, "to_mesh"):
+        raise TypeError(f"v: expected a mesh, got a {type(v).__name__}: to_mesh() makes one of it")
 
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -335,6 +370,7 @@ def with_mesh(function: F) -> F:
     def taking(v: Any, *arguments: Any, **named: Any) -> Any:
         mesh = mesh_arrays(v)
         if mesh is None:
+            refuse_others(v)
             return function(v, *arguments, **named)
         return function(*mesh, *arguments, **named)
 
