@@ -260,14 +260,26 @@ class Refined(NamedTuple):
         values : array_like, a row for each vertex of the coarse mesh
             Colours, functions, or other numbers.
         """
-        given = matrix_of("values", values)
-        count = int(self.vertices.max(initial=-1)) + 1
-        if given.ndim == 0 or len(given) < count:
-            raise ValueError(
-                f"values: expected a row for each vertex, at least {count}, got {given.shape}"
-            )
-        found: NDArray[Any] = np.einsum("ij,ij...->i...", self.weights, given[self.vertices])
-        return found
+        return blended(values, self.vertices, self.weights, self.vertices)
+
+
+def blended(values: Any, corners: Any, weights: Any, used: Any) -> NDArray[Any]:
+    """Return values at points, given by three vertices and their weights each.
+
+    `values` have a row for each vertex, `used` are all vertices that need one. Rounding leaves no
+    result outside of the values at the three.
+    """
+    given = matrix_of("values", values)
+    count = int(used.max(initial=-1)) + 1
+    if given.ndim == 0 or len(given) < count:
+        raise ValueError(
+            f"values: expected a row for each vertex, at least {count}, got {given.shape}"
+        )
+    three = given[corners]
+    found: NDArray[Any] = np.einsum("ij,ij...->i...", weights, three)
+    if found.dtype.kind != "c":
+        np.clip(found, three.min(axis=1), three.max(axis=1), out=found)
+    return found
 
 
 def refined(found: Any) -> Refined:
@@ -315,7 +327,12 @@ def mesh_arrays(mesh: Any) -> Optional[Tuple[Any, Any]]:
         return None
     points = np.asarray(mesh.points)
     if hasattr(mesh, "cells_dict"):
-        cells = {kind: np.asarray(all_of) for kind, all_of in mesh.cells_dict.items()}
+        # pyvista numbers kinds as VTK does, meshio names them.
+        names = {1: "vertex", 3: "line", 5: "triangle"}
+        cells = {
+            names.get(kind, str(kind)): np.asarray(all_of)
+            for kind, all_of in mesh.cells_dict.items()
+        }
         # Those of no area stay behind.
         others = sorted(cells.keys() - {"triangle", "line", "vertex"})
         if others:
