@@ -144,7 +144,7 @@ def test_fits_of_frames_take_columns_by_their_names(rng):
     for name, make in [("pandas", "DataFrame"), ("polars", "DataFrame"), ("pyarrow", "table")]:
         module = pytest.importorskip(name)
         frame = getattr(module, make)({"x": x, "y": y})
-        other = getattr(module, make)({"y": y, "more": b, "x": x})
+        other = getattr(module, make)({"y": y, "f": labels, "x": x})
         fit, parts = catamaran.lstsq(frame, b, intercept=True), catamaran.pca(frame)
         assert np.array_equal(fit.predict(other), fit.predict(rows)), name
         assert np.array_equal(fit.prediction_errors(other), fit.prediction_errors(rows)), name
@@ -154,6 +154,8 @@ def test_fits_of_frames_take_columns_by_their_names(rng):
             with pytest.raises(ValueError, match="has no column y; the fit has x, y"):
                 call(few)
         fit = catamaran.lstsq(frame, b, factors={"f": labels})
+        column = other["f"] if name != "pyarrow" else other.column("f")
+        assert np.array_equal(catamaran.lstsq(frame, b, factors={"f": column}).x, fit.x), name
         found = fit.predict(other, factors={"f": labels})
         assert np.array_equal(found, fit.predict(rows, factors={"f": labels})), name
         with pytest.raises(ValueError, match=r"no column f\[v\]; the labels of f go to factors"):

@@ -29,6 +29,7 @@ def coded(factors: Mapping[str, Any]) -> Tuple[List[Coded], Any]:
     found: List[Coded] = []
     columns: List[Any] = []
     for name, of in factors.items():
+        # What pandas has there; polars has other things of this name.
         values: Any = getattr(of, "cat", of)
         if hasattr(values, "categories") and hasattr(values, "codes"):
             codes = np.array(values.codes, dtype=np.float64)
@@ -37,7 +38,7 @@ def coded(factors: Mapping[str, Any]) -> Tuple[List[Coded], Any]:
             columns.append(codes)
             continue
         # As text, NaN beside words would be a word.
-        array = np.asarray(values, dtype=object)
+        array = np.asarray(of, dtype=object)
         if array.ndim != 1:
             raise ValueError(f"factors: {name}: expected a vector, got {array.ndim} dimensions")
         labels = array.tolist()
