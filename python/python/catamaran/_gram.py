@@ -385,7 +385,6 @@ def lstsq(
     if missing not in ("error", "drop"):
         raise ValueError(f"missing: '{missing}' is not one of 'error', 'drop'")
     options = fit_options(ridge, intercept, rank_deficiency, standard_errors, threads)
-    refuse_other_rows(a, b=b, weights=weights)
     if comm is not None:
         from ._ranks import of_first, sums
 
@@ -397,6 +396,7 @@ def lstsq(
         targets = 1 if one else np.shape(b)[1]
         fit: LeastSquares = of_first(comm, lambda: solution(total._lstsq(targets, options), one))
         return replace(fit, feature_names=names_of(a))
+    refuse_other_rows(a, b=b, weights=weights)
     if not factors and missing == "error":
         found = _catamaran.lstsq(rows_of(a), b, weights, options, callback(progress))
         found.update(feature_names=names_of(a))
@@ -535,7 +535,6 @@ def pca(
     component  variance  share  sum of shares
             1         5      1              1
     """
-    refuse_other_rows(a, weights=weights)
     if comm is not None:
         from ._ranks import of_first, sums
 
@@ -544,6 +543,7 @@ def pca(
         about = {"standardize": standardize, "whiten": whiten, "threads": threads}
         of_all: PrincipalComponents = of_first(comm, lambda: total.pca(n_components, **about))
         return replace(of_all, feature_names=names_of(a))
+    refuse_other_rows(a, weights=weights)
     found = _catamaran.pca(
         rows_of(a), weights, n_components, standardize, whiten, threads, callback(progress)
     )
