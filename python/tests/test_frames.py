@@ -181,7 +181,7 @@ def test_rows_with_other_labels_are_refused():
     # Lengths have an error of their own, and what has no labels has the rows as they come.
     refuse_other_rows(a, b=other[:2])
     refuse_other_rows([1, 2, 3], b=other)
-    with pytest.raises(ValueError, match="weights: its index is not that of a"):
+    with pytest.raises(ValueError, match="weights: its index is not that of the rows"):
         refuse_other_rows(a, b=same, weights=other)
 
 
@@ -189,12 +189,23 @@ def test_a_shuffled_series_of_pandas_is_refused(rng):
     pandas = pytest.importorskip("pandas")
     a = pandas.DataFrame({"x": rng.standard_normal(9)})
     b = pandas.Series(rng.standard_normal(9))
-    with pytest.raises(ValueError, match="b: its index is not that of a"):
+    with pytest.raises(ValueError, match="b: its index is not that of the rows"):
         catamaran.lstsq(a, b[::-1])
-    with pytest.raises(ValueError, match="weights: its index is not that of a"):
+    with pytest.raises(ValueError, match="weights: its index is not that of the rows"):
         catamaran.pca(a, weights=abs(b)[::-1])
     labels = pandas.Series(list("aabbaabba"))
-    with pytest.raises(ValueError, match="factors: f: its index is not that of a"):
+    with pytest.raises(ValueError, match="factors: f: its index is not that of the rows"):
         catamaran.lstsq(a, b, factors={"f": labels[::-1]})
+    back, sums = abs(b)[::-1], catamaran.Accumulator(1)
+    for call in (
+        lambda: catamaran.ata(a, a[::-1]),
+        lambda: catamaran.ata(a, weights=back),
+        lambda: catamaran.cov(a, aweights=back),
+        lambda: catamaran.verify(a, [[1.0]], weights=back),
+        lambda: sums.add(a, back),
+        lambda: sums.remove(a, back),
+    ):
+        with pytest.raises(ValueError, match="its index is not that of the rows"):
+            call()
     given = catamaran.lstsq(a, b[::-1].to_numpy()).x
     assert np.array_equal(given, catamaran.lstsq(a.to_numpy(), b.to_numpy()[::-1]).x)

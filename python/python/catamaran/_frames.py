@@ -95,7 +95,7 @@ def refuse_other_rows(a: Any, **others: Any) -> None:
         if not hasattr(other, "iloc") or len(other) != len(a) or other.index.equals(a.index):
             continue
         why = "reindex it, or to_numpy() takes its rows as they come"
-        raise ValueError(f"{name}: its index is not that of a: {why}")
+        raise ValueError(f"{name}: its index is not that of the rows: {why}")
 
 
 def of_pandas(name: str, a: Any) -> Optional[Frame]:
