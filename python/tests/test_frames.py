@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from catamaran._frames import refuse_other_rows
 
+FRAMES = [("pandas", "DataFrame"), ("polars", "DataFrame"), ("pyarrow", "table")]
+
 
 class Table:
     """What pyarrow's tables have; no array of all rows can be made of it."""
@@ -127,39 +129,38 @@ def test_arrays_that_only_export_dlpack_are_not_copied(rng):
         catamaran.ata(Exported(out), out=out)
 
 
-def test_frames_of_pandas_polars_and_pyarrow_are_rows(rng):
+@pytest.mark.parametrize("name, make", FRAMES)
+def test_frames_of_pandas_polars_and_pyarrow_are_rows(name, make, rng):
     x, y = rng.standard_normal(50), rng.integers(0, 9, 50)
     right = catamaran.pca(np.column_stack([x, y]))
-    for name, make in [("pandas", "DataFrame"), ("polars", "DataFrame"), ("pyarrow", "table")]:
-        module = pytest.importorskip(name)
-        frame = getattr(module, make)({"x": x, "y": y})
-        found = catamaran.pca(frame)
-        assert np.array_equal(found.components, right.components), name
-        assert found.feature_names == ("x", "y"), name
+    frame = getattr(pytest.importorskip(name), make)({"x": x, "y": y})
+    found = catamaran.pca(frame)
+    assert np.array_equal(found.components, right.components)
+    assert found.feature_names == ("x", "y")
 
 
-def test_fits_of_frames_take_columns_by_their_names(rng):
+@pytest.mark.parametrize("name, make", FRAMES)
+def test_fits_of_frames_take_columns_by_their_names(name, make, rng):
     x, y, b = rng.standard_normal(50), rng.integers(0, 9, 50), rng.standard_normal(50)
     labels, rows = np.array(["u", "v"] * 25), np.column_stack([x, y])
-    for name, make in [("pandas", "DataFrame"), ("polars", "DataFrame"), ("pyarrow", "table")]:
-        module = pytest.importorskip(name)
-        frame = getattr(module, make)({"x": x, "y": y})
-        other = getattr(module, make)({"y": y, "f": labels, "x": x})
-        fit, parts = catamaran.lstsq(frame, b, intercept=True), catamaran.pca(frame)
-        assert np.array_equal(fit.predict(other), fit.predict(rows)), name
-        assert np.array_equal(fit.prediction_errors(other), fit.prediction_errors(rows)), name
-        assert np.array_equal(parts.transform(other), parts.transform(rows)), name
-        few = getattr(module, make)({"x": x, "z": y})
-        for call in (fit.predict, parts.transform):
-            with pytest.raises(ValueError, match="has no column y; the fit has x, y"):
-                call(few)
-        fit = catamaran.lstsq(frame, b, factors={"f": labels})
-        column = other["f"] if name != "pyarrow" else other.column("f")
-        assert np.array_equal(catamaran.lstsq(frame, b, factors={"f": column}).x, fit.x), name
-        found = fit.predict(other, factors={"f": labels})
-        assert np.array_equal(found, fit.predict(rows, factors={"f": labels})), name
-        with pytest.raises(ValueError, match=r"no column f\[v\]; the labels of f go to factors"):
-            fit.predict(frame)
+    module = pytest.importorskip(name)
+    frame = getattr(module, make)({"x": x, "y": y})
+    other = getattr(module, make)({"y": y, "f": labels, "x": x})
+    fit, parts = catamaran.lstsq(frame, b, intercept=True), catamaran.pca(frame)
+    assert np.array_equal(fit.predict(other), fit.predict(rows))
+    assert np.array_equal(fit.prediction_errors(other), fit.prediction_errors(rows))
+    assert np.array_equal(parts.transform(other), parts.transform(rows))
+    few = getattr(module, make)({"x": x, "z": y})
+    for call in (fit.predict, parts.transform):
+        with pytest.raises(ValueError, match="has no column y; the fit has x, y"):
+            call(few)
+    fit = catamaran.lstsq(frame, b, factors={"f": labels})
+    column = other["f"] if name != "pyarrow" else other.column("f")
+    assert np.array_equal(catamaran.lstsq(frame, b, factors={"f": column}).x, fit.x)
+    found = fit.predict(other, factors={"f": labels})
+    assert np.array_equal(found, fit.predict(rows, factors={"f": labels}))
+    with pytest.raises(ValueError, match=r"no column f\[v\]; the labels of f go to factors"):
+        fit.predict(frame)
 
 
 class Labelled(list):
