@@ -71,7 +71,15 @@ sparse_view symmetric_view(const wide_sparse<Order>& a) {
 template <int Order>
 sparse_view symmetric_view(const wide_sparse<Order>&&) = delete;
 
-/// A copy of any sparse matrix of Eigen, by rows.
+/// Does not compile: a matrix with other indices can't be seen without a copy.
+template <int Order, class Index>
+sparse_view symmetric_view(const Eigen::SparseMatrix<double, Order, Index>&) {
+    static_assert(sizeof(Index) == 0,
+                  "indices are not of std::ptrdiff_t: use catamaran::wide_sparse, or copied(a)");
+    return {};
+}
+
+/// A copy of any sparse matrix of Eigen, by rows; functions take it in the place of a view.
 template <class Derived>
 sparse_matrix copied(const Eigen::SparseMatrixBase<Derived>& a) {
     const wide_sparse<Eigen::RowMajor> rows(a.template cast<double>());

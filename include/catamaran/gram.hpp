@@ -158,6 +158,17 @@ private:
     watcher watcher_;
 };
 
+/// A column whose entries are neighbours, in either layout; anything else as it is.
+inline matrix_view<const double> in_layout(matrix_view<const double> b, layout order) noexcept {
+    if (b.order == order || b.cols != 1) {
+        return b;
+    }
+    if (order == layout::row_major) {
+        return row_major(b.data, b.rows, 1);
+    }
+    return b.leading == 1 ? col_major(b.data, b.rows, 1) : b;
+}
+
 /// A call for least squares of n columns and k targets, in matrices of this layout without gaps.
 class lstsq_call {
 public:
@@ -262,10 +273,11 @@ public:
 }  // namespace detail
 
 /// The X that minimizes |A X - B|^2 + ridge |X|^2, each row with its weight if there are any:
-/// cata_lstsq. A is m x n, B is m x k, in the same layout.
+/// cata_lstsq. A is m x n, B is m x k, in the same layout, which a vector has either way.
 inline least_squares lstsq(matrix_view<const double> a, matrix_view<const double> b,
                            const std::vector<double>& weights = {},
                            const lstsq_options& how = {}) {
+    b = detail::in_layout(b, a.order);
     detail::require(a.rows == b.rows, CATA_ERR_SHAPE, "b: must have the rows of a");
     detail::require(a.order == b.order, CATA_ERR_ARGUMENT, "b: must have the layout of a");
     const double* weight = detail::weights_of(weights, a.rows);

@@ -27,6 +27,10 @@ struct sparse_matrix {
         return {rows, row_starts.data(), columns.data(), entries.data()};
     }
     sparse_view view() const&& = delete;
+
+    /// The matrix, for functions that take a view.
+    operator sparse_view() const& noexcept { return view(); }
+    operator sparse_view() const&& = delete;
 };
 
 /// The matrices of W phi = lambda M phi.

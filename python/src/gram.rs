@@ -263,10 +263,27 @@ pub fn lstsq<'py>(
         check_weights(weights)?;
         let targets = RowBlocks::<f64>::ncols(&b);
         let mut rows = JoinedRows::new(&mut a, &mut b)?;
-        let gram = gram_of(&mut rows, weights, options.intercept, options.par, progress)?;
+        let gram = gram_of(&mut rows, weights, options.intercept, options.par, progress)
+            .map_err(|error| of_table(error, n))?;
         LeastSquares::from_gram(&gram, targets, &options)
     })
     .map(Fit)
+}
+
+/// An error of the rows of [A B], where A has n columns, as that of the argument at fault.
+fn of_table(error: Error, n: usize) -> Error {
+    let Error::NonFinite { what: "rows", index: (i, j) } = error else { return error };
+    let (what, column) = if j < n { ("a", j) } else { ("b", j - n) };
+    let why = "missing=\"drop\" leaves out rows with a NaN";
+    Error::Argument { what, why: format!("not finite at row {i}, column {column}: {why}") }
+}
+
+/// An error of rows as that of the argument `a`.
+fn of_rows(error: Error) -> Error {
+    match error {
+        Error::NonFinite { what: "rows", index } => Error::NonFinite { what: "a", index },
+        other => other,
+    }
 }
 
 /// A factor: its name, its levels in the order of their codes, and whether the order stays.
@@ -417,7 +434,7 @@ pub fn pca<'py>(
     let options = principal_options(components, standardize, whiten, threads)?;
     let (mut a, weights) = (a.view(), weights.as_deref());
     let found = run(py, Length::Long, progress, move |progress| {
-        let gram = gram_of(&mut a, weights, true, options.par, progress)?;
+        let gram = gram_of(&mut a, weights, true, options.par, progress).map_err(of_rows)?;
         Principal::from_gram(&gram, &options)
     })?;
     principal(py, found)
@@ -494,7 +511,10 @@ pub fn svd<'py>(
     let (a, par) = (Rows::new("a", a, &[2])?, par(threads)?);
     let mut a = a.view();
     let found = run(py, Length::Long, progress, move |progress| {
-        SingularValues::from_gram(&gram_of(&mut a, None, false, par, progress)?, par)
+        SingularValues::from_gram(
+            &gram_of(&mut a, None, false, par, progress).map_err(of_rows)?,
+            par,
+        )
     })?;
     Ok((from_vec(py, found.values).into_any(), from_matrix(py, found.v.as_ref())?.into_any()))
 }
@@ -511,7 +531,8 @@ pub fn gram_qr<'py>(
     let mut q = zeros::<f64>(py, [m, n])?;
     let (mut a, mut out) = (a.view(), q.view_mut());
     let r = run(py, Length::Long, progress, move |progress| {
-        let qr = GramQr::from_gram(&gram_of(&mut a, None, false, par, progress)?, par)?;
+        let qr =
+            GramQr::from_gram(&gram_of(&mut a, None, false, par, progress).map_err(of_rows)?, par)?;
         a.read(0, out.as_mut())?;
         qr.apply(out, par)?;
         Ok(qr.r().clone())
@@ -531,7 +552,7 @@ pub fn corrcoef<'py>(
     let (a, par) = (Rows::new("a", a, &[2])?, par(threads)?);
     let mut a = a.view();
     let found = run(py, Length::Long, progress, move |progress| {
-        correlation(&gram_of(&mut a, None, true, par, progress)?)
+        correlation(&gram_of(&mut a, None, true, par, progress).map_err(of_rows)?)
     })?;
     Ok(from_matrix(py, found.as_ref())?.into_any())
 }

@@ -65,6 +65,16 @@ def applications():
     assert found.x.shape == (7,)
 
 
+class Labelled(list):
+    """Rows with labels, as far as their comparison."""
+
+    iloc = None
+    index = property(lambda self: self)
+
+    def equals(self, other):
+        return self == other
+
+
 def errors():
     last = comm.size - 1
     wrong = a[own, :6] if comm.rank == last else a[own]
@@ -75,6 +85,9 @@ def errors():
     said = raised(kind, lambda: catamaran.pca(bad, comm=comm))
     assert said.endswith("a: column 0 has an entry that is not finite"), said
     assert comm.rank == last or said.startswith(f"rank {last}: ValueError"), said
+    rows, others = (a[own], b[own, 0]) if comm.rank != last else (Labelled("ab"), Labelled("ba"))
+    said = raised(kind, lambda: catamaran.lstsq(rows, others, comm=comm))
+    assert "b: its index is not that of the rows" in said, said
     said = raised(ValueError, lambda: catamaran.ata(a, a, comm=comm))
     assert said.startswith("comm: "), said
 

@@ -5,6 +5,9 @@ from types import SimpleNamespace
 import catamaran
 import numpy as np
 import pytest
+from catamaran._frames import refuse_other_rows
+
+FRAMES = [("pandas", "DataFrame"), ("polars", "DataFrame"), ("pyarrow", "table")]
 
 
 class Table:
@@ -126,12 +129,84 @@ def test_arrays_that_only_export_dlpack_are_not_copied(rng):
         catamaran.ata(Exported(out), out=out)
 
 
-def test_frames_of_pandas_polars_and_pyarrow_are_rows(rng):
+@pytest.mark.parametrize("name, make", FRAMES)
+def test_frames_of_pandas_polars_and_pyarrow_are_rows(name, make, rng):
     x, y = rng.standard_normal(50), rng.integers(0, 9, 50)
     right = catamaran.pca(np.column_stack([x, y]))
-    for name, make in [("pandas", "DataFrame"), ("polars", "DataFrame"), ("pyarrow", "table")]:
-        module = pytest.importorskip(name)
-        frame = getattr(module, make)({"x": x, "y": y})
-        found = catamaran.pca(frame)
-        assert np.array_equal(found.components, right.components), name
-        assert found.feature_names == ("x", "y"), name
+    frame = getattr(pytest.importorskip(name), make)({"x": x, "y": y})
+    found = catamaran.pca(frame)
+    assert np.array_equal(found.components, right.components)
+    assert found.feature_names == ("x", "y")
+
+
+@pytest.mark.parametrize("name, make", FRAMES)
+def test_fits_of_frames_take_columns_by_their_names(name, make, rng):
+    x, y, b = rng.standard_normal(50), rng.integers(0, 9, 50), rng.standard_normal(50)
+    labels, rows = np.array(["u", "v"] * 25), np.column_stack([x, y])
+    module = pytest.importorskip(name)
+    frame = getattr(module, make)({"x": x, "y": y})
+    other = getattr(module, make)({"y": y, "f": labels, "x": x})
+    fit, parts = catamaran.lstsq(frame, b, intercept=True), catamaran.pca(frame)
+    assert np.array_equal(fit.predict(other), fit.predict(rows))
+    assert np.array_equal(fit.prediction_errors(other), fit.prediction_errors(rows))
+    assert np.array_equal(parts.transform(other), parts.transform(rows))
+    few = getattr(module, make)({"x": x, "z": y})
+    for call in (fit.predict, parts.transform):
+        with pytest.raises(ValueError, match="has no column y; the fit has x, y"):
+            call(few)
+    fit = catamaran.lstsq(frame, b, factors={"f": labels})
+    column = other["f"] if name != "pyarrow" else other.column("f")
+    assert np.array_equal(catamaran.lstsq(frame, b, factors={"f": column}).x, fit.x)
+    found = fit.predict(other, factors={"f": labels})
+    assert np.array_equal(found, fit.predict(rows, factors={"f": labels}))
+    with pytest.raises(ValueError, match=r"no column f\[v\]; the labels of f go to factors"):
+        fit.predict(frame)
+
+
+class Labelled(list):
+    """What pandas has: rows with labels."""
+
+    iloc = None
+
+    def __init__(self, *labels):
+        super().__init__(labels)
+        self.index = self
+
+    def equals(self, other):
+        return list(self) == list(other)
+
+
+def test_rows_with_other_labels_are_refused():
+    a, same, other = Labelled(3, 1, 2), Labelled(3, 1, 2), Labelled(1, 2, 3)
+    refuse_other_rows(a, b=same, weights=None)
+    # Lengths have an error of their own, and what has no labels has the rows as they come.
+    refuse_other_rows(a, b=other[:2])
+    refuse_other_rows([1, 2, 3], b=other)
+    with pytest.raises(ValueError, match="weights: its index is not that of the rows"):
+        refuse_other_rows(a, b=same, weights=other)
+
+
+def test_a_shuffled_series_of_pandas_is_refused(rng):
+    pandas = pytest.importorskip("pandas")
+    a = pandas.DataFrame({"x": rng.standard_normal(9)})
+    b = pandas.Series(rng.standard_normal(9))
+    with pytest.raises(ValueError, match="b: its index is not that of the rows"):
+        catamaran.lstsq(a, b[::-1])
+    with pytest.raises(ValueError, match="weights: its index is not that of the rows"):
+        catamaran.pca(a, weights=abs(b)[::-1])
+    labels = pandas.Series(list("aabbaabba"))
+    with pytest.raises(ValueError, match="factors: f: its index is not that of the rows"):
+        catamaran.lstsq(a, b, factors={"f": labels[::-1]})
+    back, sums = abs(b)[::-1], catamaran.Accumulator(1)
+    for call in (
+        lambda: catamaran.ata(a, a[::-1]),
+        lambda: catamaran.ata(a, weights=back),
+        lambda: catamaran.cov(a, aweights=back),
+        lambda: catamaran.verify(a, [[1.0]], weights=back),
+        lambda: sums.add(a, back),
+        lambda: sums.remove(a, back),
+    ):
+        with pytest.raises(ValueError, match="its index is not that of the rows"):
+            call()
+    given = catamaran.lstsq(a, b[::-1].to_numpy()).x
+    assert np.array_equal(given, catamaran.lstsq(a.to_numpy(), b.to_numpy()[::-1]).x)

@@ -215,3 +215,59 @@ def test_labels_that_do_not_equal_themselves_are_missing(rng):
     assert found.left_out == (1, 3, 4, 7) and found.factor_columns == ("f[b]",)
     words = ["a", float("nan"), "b", "b", "a", "a", "b", "a"]
     assert catamaran.lstsq(x, b, factors={"f": words}, missing="drop").left_out == (1,)
+
+
+def test_predictions_take_the_labels_of_factors(rng):
+    x, b = rng.standard_normal((40, 2)), rng.standard_normal(40)
+    where, size = rng.choice(["b", "c", "a"], 40), rng.choice([9, 10, 8], 40)
+    fit = catamaran.lstsq(x, b, intercept=True, factors={"f": where, "n": size})
+    assert fit.factor_levels == (("f", ("a", "b", "c")), ("n", ("8", "9", "10")))
+    new = rng.standard_normal((4, 2))
+    labels = {"n": [10, 8, 9, 8], "f": ["c", "a", "b", "a"]}
+    design = np.column_stack([new, [0, 0, 1, 0], [1, 0, 0, 0], [0, 0, 1, 0], [1, 0, 0, 0]])
+    assert np.array_equal(fit.predict(new, factors=labels), fit.predict(design))
+    sparse = scipy.sparse.csr_array(new)
+    assert np.allclose(fit.predict(sparse, factors=labels), fit.predict(design))
+    for call in (fit.prediction_errors, fit.prediction_intervals):
+        assert np.array_equal(call(new, factors=labels), call(design))
+    # A row without a label has no prediction, the others have theirs.
+    some = {**labels, "f": ["c", None, "b", "a"]}
+    expected = fit.predict(design)
+    expected[1] = np.nan
+    assert np.array_equal(fit.predict(new, factors=some), expected, equal_nan=True)
+
+
+def test_rows_that_a_fit_does_not_know_are_named(rng):
+    x, b = rng.standard_normal((9, 2)), rng.standard_normal(9)
+    fit = catamaran.lstsq(x, b, factors={"f": list("aabbccabc")})
+    for rows, labels, why in [
+        (x, None, "a: expected m x 4, got 9 x 2; the labels of f go to factors"),
+        (x[:, :1], {"f": list("aabbccabc")}, "a: expected m x 2, got 9 x 1"),
+        (x[:1], {"f": ["d"]}, "factors: f: 'd' is not one of 'a', 'b', 'c'"),
+        (x[:1], {"g": ["a"]}, "factors: the fit has f, got g"),
+        (x[:2], {"f": ["a"]}, "factors: 1 labels for 2 rows"),
+    ]:
+        with pytest.raises(ValueError, match=why):
+            fit.predict(rows, factors=labels)
+    with pytest.raises(ValueError, match="a: expected m x 2, got 9 x 3"):
+        catamaran.lstsq(x, b).predict(np.ones((9, 3)))
+    with pytest.raises(TypeError, match="factors: expected a dict of names and labels, got str"):
+        catamaran.lstsq(x, b, factors="f")
+
+
+def test_a_fit_whose_rows_are_all_left_out_is_an_error():
+    with pytest.raises(ValueError, match="a: a value is missing in each of 3 rows: none is left"):
+        catamaran.lstsq([[1, np.nan]] * 3, np.ones(3), missing="drop")
+
+
+def test_an_entry_that_is_not_finite_is_that_of_its_argument(rng):
+    a, b = rng.standard_normal((6, 2)), rng.standard_normal(6)
+    a[4, 1] = np.nan
+    with pytest.raises(ValueError, match="^a: not finite at row 4, column 1: missing=.drop"):
+        catamaran.lstsq(a, b)
+    for call in (catamaran.pca, catamaran.svd, catamaran.corrcoef):
+        with pytest.raises(ValueError, match="^a: not finite at row 4, column 1$"):
+            call(a)
+    b[3] = np.inf
+    with pytest.raises(ValueError, match="^b: not finite at row 3, column 0: missing"):
+        catamaran.lstsq(a[:4], b[:4])

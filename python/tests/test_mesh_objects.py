@@ -1,5 +1,6 @@
 """Meshes of other packages, and conversions to them."""
 
+import pickle
 from types import SimpleNamespace
 
 import numpy as np
@@ -27,7 +28,15 @@ def of_pyvista():
     return SimpleNamespace(points=V, faces=np.hstack([corners, F]).ravel())
 
 
-@pytest.mark.parametrize("make", [of_trimesh, of_meshio, of_pyvista, lambda: catamaran.Mesh(V, F)])
+def of_grid():
+    # The kinds of cells as pyvista numbers them, bytes of VTK: a line and triangles.
+    return SimpleNamespace(points=V, cells_dict={np.uint8(3): [[0, 1]], np.uint8(5): F})
+
+
+MAKERS = [of_trimesh, of_meshio, of_pyvista, of_grid, lambda: catamaran.Mesh(V, F)]
+
+
+@pytest.mark.parametrize("make", MAKERS)
 def test_functions_take_meshes_as_they_take_arrays(make, tmp_path):
     mesh = make()
     calls = [
@@ -91,6 +100,9 @@ def test_what_is_no_triangle_mesh_is_refused():
     quads = meshio.Mesh(V, [("quad", [[0, 1, 2, 3]]), ("triangle", F)])
     with pytest.raises(ValueError, match="mesh: cells of quad, expected triangles"):
         catamaran.eigsh(quads, k=3)
+    tetrahedra = SimpleNamespace(points=V, cells_dict={np.uint8(10): [[0, 1, 2, 3]]})
+    with pytest.raises(ValueError, match="mesh: cells of 10, expected triangles"):
+        catamaran.eigsh(tetrahedra, k=3)
     quads = SimpleNamespace(points=V, faces=np.array([4, 0, 1, 2, 3, 3, 0, 1]))
     with pytest.raises(ValueError, match="mesh: faces that are not triangles"):
         catamaran.laplacian(quads)
@@ -103,3 +115,58 @@ def test_faces_beside_a_mesh_or_a_basis_are_refused():
         catamaran.Eigenbasis(catamaran.Mesh(V, F), 4)
     with pytest.raises(TypeError, match="f: not together with a basis"):
         catamaran.eigenproducts(catamaran.Eigenbasis(V, F, 4), 3)
+
+
+@pytest.mark.parametrize("make", [of_trimesh, of_meshio, of_pyvista, of_grid, lambda: (V, F)])
+def test_a_mesh_is_made_of_one_of_another_package(make):
+    mesh = catamaran.Mesh(make())
+    assert type(mesh.v) is type(mesh.f) is np.ndarray
+    assert np.array_equal(mesh.v, V) and np.array_equal(mesh.f, F)
+    assert mesh.area == catamaran.Mesh(V, F).area
+    again = pickle.loads(pickle.dumps(mesh))
+    assert isinstance(again, catamaran.Mesh) and np.array_equal(again.f, F)
+
+
+def test_what_is_taken_for_a_mesh_says_how_to_make_one(tmp_path):
+    for name in ("a.ply", tmp_path / "a.ply"):
+        with pytest.raises(TypeError, match=r"v: expected .*, got a name: read_mesh\('.*a.ply'\)"):
+            catamaran.eigsh(name, k=3)
+    trimesh = pytest.importorskip("trimesh")
+    scene = trimesh.Scene([of_trimesh()])
+    with pytest.raises(TypeError, match=r"v: expected a mesh, got a Scene: to_mesh\(\)"):
+        catamaran.repair(scene)
+    assert np.array_equal(catamaran.repair(scene.to_mesh()).mesh.f, F)
+    with pytest.raises(TypeError, match="v: expected a mesh, or vertices and faces, got int"):
+        catamaran.Mesh(3)
+    with pytest.raises(ValueError, match="v: 3 entries are masked"):
+        catamaran.Mesh(np.ma.array(V, mask=np.arange(V.size).reshape(V.shape) < 3), F)
+
+
+def test_colours_of_bytes_come_back_through_a_decimation(rng, tmp_path):
+    colors = rng.integers(0, 2, (len(V), 4), dtype=np.uint8) * 255
+    found = catamaran.decimate(V, F, 60)
+    carried = found.carried(catamaran.Mesh(V, F), colors)
+    assert np.array_equal(carried, found.carried(F, colors))
+    # A point of three equal colours has this one, whatever rounding does to its weights.
+    assert carried.min() >= 0 and carried.max() <= 255 and (carried == 255).any()
+    expected = np.einsum("ij,ijk->ik", found.origin.barycentric, colors[F[found.origin.face]])
+    assert np.allclose(carried, expected)
+    bytes_of = carried.round().astype(np.uint8)
+    catamaran.write_mesh(tmp_path / "a.ply", found.mesh, colors=bytes_of)
+    _, _, more = catamaran.read_mesh(tmp_path / "a.ply", attributes=True)
+    assert more["notes"] == [] and np.array_equal(more["colors"] * 255, bytes_of)
+    of_shares = catamaran.mesh_to_bytes(found.mesh, "ply", colors=bytes_of / 255)
+    assert catamaran.mesh_to_bytes(found.mesh, "ply", colors=bytes_of) == of_shares
+
+
+def test_carried_values_have_a_row_for_each_vertex():
+    found = catamaran.decimate(V, F, 60)
+    with pytest.raises(ValueError, match=r"values: expected a row for each vertex, at least 162"):
+        found.carried(F, np.ones(5))
+    with pytest.raises(ValueError, match=r"f: expected at least .* faces, m x 3, got \(5, 3\)"):
+        found.carried(F[:5], V)
+    with pytest.raises(ValueError, match=r"f: expected .*, got \(162, 4\)"):
+        found.carried(np.ones((162, 4)), F)
+    turning = np.exp(1j * V[:, 0])
+    parts = [found.carried(F, part) for part in (turning.real, turning.imag)]
+    assert np.allclose(found.carried(F, turning), parts[0] + 1j * parts[1])

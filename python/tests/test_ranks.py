@@ -65,6 +65,8 @@ def test_rows_that_ranks_cannot_sum_are_named():
         (ValueError, "b: column 0 has an entry", lambda: catamaran.lstsq(a, bad, comm=One())),
         (TypeError, "a: sparse", lambda: catamaran.pca(csr_array(a), comm=One())),
         (TypeError, "dtype: ", lambda: catamaran.ata(a, dtype=np.float32, comm=One())),
+        (TypeError, "comm: expected a communicator", lambda: catamaran.ata(a, comm=sys)),
+        (TypeError, "comm: expected a communicator", lambda: catamaran.lstsq(a, a, comm=2)),
     ):
         with pytest.raises(kind, match="^" + why):
             call()

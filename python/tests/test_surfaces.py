@@ -239,3 +239,27 @@ def test_a_union_is_located_on_the_template_only():
     disk = shapes.disk(12, 40)
     with pytest.raises(ValueError, match="template"):
         catamaran.locate_union([disk, disk], shapes.icosphere(2))
+
+
+def test_repair_leaves_out_faces_that_have_a_vertex_twice():
+    v, f = shapes.icosphere(1)
+    broken = np.vstack([f[:4], [[3, 7, 7], [2, 2, 2]], f[4:]])
+    with pytest.raises(ValueError, match=r"face 4: has the same vertex twice: \[3, 7, 7\]"):
+        catamaran.repair(v, broken, orient=True)
+    for steps in ({"everything": True}, {"drop_degenerate": True}):
+        mesh, places, report = catamaran.repair(v, broken.tolist(), **steps)
+        assert np.array_equal(mesh.f, f) and np.array_equal(places, np.arange(len(v)))
+        assert report[0] == "left out    facets with two equal corners: 2"
+        assert not catamaran.repair(v, f, **steps).report[0].startswith("left out")
+
+
+def test_one_source_may_be_a_number():
+    mesh = shapes.grid(4, 4)
+    for method in ("heat", "exact", "edges"):
+        found = catamaran.distances(mesh, np.int64(3), method=method)
+        assert np.array_equal(found, catamaran.distances(mesh, [3], method=method))
+    way = np.array([6, 7, 8, 13, 18, 17, 16, 11, 6])
+    around = np.column_stack([way[:-1], way[1:]])
+    mask = catamaran.enclosed_faces(mesh, around, seeds=[12])
+    one = catamaran.enclosed_faces(mesh, around, seeds=12)
+    assert mask.sum() == 8 and np.array_equal(mask, one)

@@ -295,6 +295,22 @@ void gram_matrices() {
     how.progress = [](double) { return false; };
     CHECK(status_of([&] { catamaran::lstsq(a, targets, {}, how); }) == CATA_ERR_CANCELLED);
 
+    // A vector has either layout, unless there are gaps.
+    const std::vector<double> rows{1, 0, 1, 1, 1, 2}, columns{1, 1, 1, 0, 1, 2}, odd{1, 9, 3, 9, 5};
+    const std::vector<double> heights{1, 3, 5}, expected{1, 2};
+    const auto by_rows = catamaran::row_major(rows.data(), 3, 2);
+    const auto by_columns = catamaran::col_major(columns.data(), 3, 2);
+    const auto fitted = [](const auto& m, const auto& target) {
+        return catamaran::lstsq(m, target).coefficients;
+    };
+    CHECK(fitted(by_rows, catamaran::col_major(heights.data(), 3, 1)) == expected);
+    CHECK(fitted(by_columns, catamaran::row_major(heights.data(), 3, 1)) == expected);
+    CHECK(fitted(by_rows, catamaran::row_major(odd.data(), 3, 1, 2)) == expected);
+    CHECK(status_of([&] { fitted(by_columns, catamaran::row_major(odd.data(), 3, 1, 2)); }) ==
+          CATA_ERR_ARGUMENT);
+    CHECK(status_of([&] { fitted(by_rows, catamaran::col_major(columns.data(), 3, 2)); }) ==
+          CATA_ERR_ARGUMENT);
+
     for (const layout order : {layout::row_major, layout::col_major}) {
         std::vector<double> data(4);
         const catamaran::matrix_view<double> m{data.data(), 2, 2, 2, order};

@@ -69,6 +69,24 @@ void eigen() {
     CHECK(catamaran::symmetric_view(sparse).entries == sparse.valuePtr());
     const auto copy = catamaran::copied(sparse);
     CHECK((copy.row_starts == std::vector<std::size_t>{0, 1, 1}) && copy.entries[0] == 2);
+
+    // A matrix as Eigen has it by default, with indices of int: functions take its copy.
+    Eigen::SparseMatrix<double> narrow(3, 3);
+    const std::vector<Eigen::Triplet<double>> entries{{0, 0, 2.}, {0, 1, -1.}, {1, 0, -1.},
+                                                      {1, 1, 2.}, {1, 2, -1.}, {2, 1, -1.},
+                                                      {2, 2, 2.}};
+    narrow.setFromTriplets(entries.begin(), entries.end());
+    const auto path = catamaran::copied(narrow);
+    const Eigen::Vector3d b(4, 0, 0);
+    const auto x = catamaran::cholesky(path).solve(catamaran::view(b));
+    CHECK(std::abs(x[0] - 3) + std::abs(x[1] - 2) + std::abs(x[2] - 1) < 1e-14);
+    CHECK(std::abs(catamaran::eigs(path, 1).values[0] - 2 + std::sqrt(2.0)) < 1e-12);
+    const Eigen::SparseMatrix<double> lower = narrow.triangularView<Eigen::Lower>();
+    const auto half = catamaran::copied(lower);
+    catamaran::cholesky_options how;
+    how.triangle = catamaran::uplo::lower;
+    CHECK(catamaran::cholesky(half, how).solve(catamaran::view(b)) == x);
+    CHECK(status_of([&] { catamaran::cholesky{half}; }) != CATA_OK);
 }
 
 #ifdef WITH_CGAL

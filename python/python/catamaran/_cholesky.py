@@ -42,6 +42,8 @@ class Cholesky:
         -------
         ndarray, of the shape of `b`, or with the wanted rows
         """
+        if is_sparse(b):
+            raise TypeError("b: expected an array, got a sparse matrix: b.toarray() is one")
         x = self._handle.solve(b, rows, callback(progress))
         return x[:, 0] if np.ndim(b) == 1 else x
 

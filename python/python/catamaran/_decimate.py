@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, Optional
+from typing import Any, NamedTuple, Optional, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
-from ._options import Progress, callback, matrix_of, to_nearest, to_scipy
-from ._surface import Mesh, MeshOrArrays, needed, takes_mesh
+from ._options import Progress, callback, to_nearest, to_scipy
+from ._surface import Mesh, MeshLike, MeshOrArrays, blended, mesh_arrays, needed, takes_mesh
 from ._words import Reduction
 
 __all__ = ["Decimated", "Difference", "FarthestPoints", "Origin", "decimate", "farthest_points"]
@@ -51,19 +51,27 @@ class Decimated(NamedTuple):
     weights: Any
 
     @to_nearest
-    def carried(self, f: ArrayLike, values: ArrayLike) -> NDArray[Any]:
+    def carried(self, f: Union[ArrayLike, MeshLike], values: ArrayLike) -> NDArray[Any]:
         """Return values at the new vertices of those at vertices of the input.
 
         Parameters
         ----------
         f : array_like
-            Faces of the input.
+            Faces of the input; or the mesh.
         values : array_like, a row for each vertex of the input
             Colours, functions, or other numbers; texture coordinates if the mesh has no seams.
+
+        Returns
+        -------
+        ndarray, a row for each vertex
+            Not rounded, and between the values at the corners of a face.
         """
-        corners = matrix_of("values", values)[np.asarray(f)[self.origin.face]]
-        found: NDArray[Any] = np.einsum("ij,ij...->i...", self.origin.barycentric, corners)
-        return found
+        mesh = mesh_arrays(f)
+        faces = np.asarray(f if mesh is None else mesh[1])
+        count = int(self.origin.face.max(initial=-1)) + 1
+        if faces.ndim != 2 or faces.shape[1] != 3 or len(faces) < count:
+            raise ValueError(f"f: expected at least {count} faces, m x 3, got {faces.shape}")
+        return blended(values, faces[self.origin.face], self.origin.barycentric, faces)
 
     @property
     def mesh(self) -> Mesh:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
-from ._options import Progress, callback
+from ._options import Progress, callback, some
 from ._surface import takes_mesh
 from ._words import DistanceMethod, Kind
 
@@ -42,7 +42,7 @@ def distances(
     ----------
     v, f : array_like, n x 3 and m x 3
         Vertices and faces.
-    sources : array_like of vertices
+    sources : int, or array_like of vertices
         Where distances are 0. With `weights`, points of these faces.
     weights : array_like, a row of 3 numbers for each source
         Of exact distances: barycentric coordinates of the sources in their faces. None: the
@@ -71,7 +71,7 @@ def distances(
     array([1., 4.])
     """
     return _catamaran.distances(
-        v, f, sources, weights, method, time, kind, threads, callback(progress)
+        v, f, some(sources), weights, method, time, kind, threads, callback(progress)
     )
 
 

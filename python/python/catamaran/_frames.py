@@ -60,6 +60,44 @@ def names_of(a: Any) -> Tuple[str, ...]:
     return () if names is None else tuple(str(name) for name in names)
 
 
+def columns_of(name: str, a: Any, wanted: Tuple[str, ...]) -> Any:
+    """Return a frame of the columns with these names, in this order; anything else as it is.
+
+    Raises
+    ------
+    ValueError
+        Names the first column that the frame does not have, or has twice.
+    """
+    names = names_of(a)
+    if not names or names == wanted:
+        return a
+    for column in wanted:
+        if names.count(column) != 1:
+            what = "has no column" if column not in names else "has two columns"
+            raise ValueError(f"{name}: {what} {column}; the fit has {', '.join(wanted[:20])}")
+    places = [names.index(column) for column in wanted]
+    if hasattr(a, "iloc"):
+        return a.iloc[:, places]
+    return a.select([a.columns[k] for k in places] if hasattr(a, "get_columns") else places)
+
+
+def refuse_other_rows(a: Any, **others: Any) -> None:
+    """Refuse what has as many rows as a frame of pandas, and an index of pandas that is not its.
+
+    Raises
+    ------
+    ValueError
+        Names the argument: rows with one number, but other labels, would be one observation.
+    """
+    if not hasattr(a, "iloc"):
+        return
+    for name, other in others.items():
+        if not hasattr(other, "iloc") or len(other) != len(a) or other.index.equals(a.index):
+            continue
+        why = "reindex it, or to_numpy() takes its rows as they come"
+        raise ValueError(f"{name}: its index is not that of the rows: {why}")
+
+
 def of_pandas(name: str, a: Any) -> Optional[Frame]:
     """Return a frame of pandas."""
     types = list(a.dtypes)

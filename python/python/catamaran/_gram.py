@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
-from ._frames import names_of
-from ._options import Progress, callback, matrix_of, rows_of, to_nearest
+from ._factors import Levels, coded, indicators, levels_of, refuse_other_factors
+from ._frames import columns_of, names_of, refuse_other_rows
+from ._options import Progress, callback, is_sparse, matrix_of, rows_of, to_nearest
 from ._show import axes, table
 from ._words import MissingRows, RankDeficiency
 
@@ -90,6 +91,9 @@ class LeastSquares:
     #: The names of the columns that factors became, which follow those of `a`; empty without
     #: factors.
     factor_columns: Tuple[str, ...] = ()
+    #: The name of each factor and its levels in the rows that were used, the first of which has no
+    #: column.
+    factor_levels: Levels = ()
     #: The rows that were left out because a value is missing.
     left_out: Tuple[int, ...] = ()
     #: The names of the columns of `a`, if it is a data frame; empty otherwise.
@@ -144,9 +148,36 @@ class LeastSquares:
         return "\n".join(lines)
 
     @to_nearest
-    def predict(self, a: ArrayLike) -> NDArray[np.float64]:
-        """Return ``A x + intercept``. With factors A has the columns `factor_columns` too."""
-        found: NDArray[np.float64] = matrix_of("a", a) @ self.x + self.intercept
+    def predict(
+        self, a: ArrayLike, *, factors: Optional[Mapping[str, Any]] = None
+    ) -> NDArray[np.float64]:
+        """Predict the targets of rows, ``A x + intercept``.
+
+        Parameters
+        ----------
+        a : array_like, m x n, or a matrix of scipy.sparse
+            The rows. After a fit of a data frame, columns of a data frame are taken by their names,
+            and may be more than those.
+        factors : mapping of names to vectors of m labels, optional
+            The labels of the rows, after a fit with factors; a prediction without a label is NaN.
+            Without them A has the columns `factor_columns`, too.
+
+        Raises
+        ------
+        ValueError
+            Names a column that is missing, a label that the fit does not know, or the number of
+            columns.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import catamaran
+        >>> age, where = np.arange(5.0)[:, None], ["East", "West", "West", "East", "West"]
+        >>> fit = catamaran.lstsq(age, age[:, 0], intercept=True, factors={"region": where})
+        >>> fit.predict([[7.0]], factors={"region": ["West"]}).round(12)
+        array([7.])
+        """
+        found: NDArray[np.float64] = self._design(a, factors) @ self.x + self.intercept
         return found
 
     @to_nearest
@@ -182,23 +213,65 @@ class LeastSquares:
         return found
 
     @to_nearest
-    def prediction_errors(self, a: ArrayLike, *, observation: bool = False) -> Any:
+    def prediction_errors(
+        self,
+        a: ArrayLike,
+        *,
+        observation: bool = False,
+        factors: Optional[Mapping[str, Any]] = None,
+    ) -> Any:
         """Return the standard errors of predictions: of the mean at each row, or with `observation`
-        of one new observation there."""
+        of one new observation there. Rows are given as in `predict`."""
         self._check_errors()
-        spread: Any = (matrix_of("a", a) - self.mean) @ self.root.T
+        design = self._design(a, factors)
+        if is_sparse(design):
+            design = design.toarray()
+        spread: Any = (design - self.mean) @ self.root.T
         squares = (spread**2).sum(axis=1) + 1 / self.weight + float(observation)
         return np.multiply.outer(np.sqrt(squares), self.residual_deviation)
 
     @to_nearest
     def prediction_intervals(
-        self, a: ArrayLike, confidence: float = 0.95, *, observation: bool = False
+        self,
+        a: ArrayLike,
+        confidence: float = 0.95,
+        *,
+        observation: bool = False,
+        factors: Optional[Mapping[str, Any]] = None,
     ) -> Tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return the ends of the intervals that contain the mean at each row, or with `observation`
-        one new observation there, with this confidence."""
-        width = self._factor(confidence) * self.prediction_errors(a, observation=observation)
-        found = self.predict(a)
+        one new observation there, with this confidence. Rows are given as in `predict`."""
+        errors = self.prediction_errors(a, observation=observation, factors=factors)
+        width = self._factor(confidence) * errors
+        found = self.predict(a, factors=factors)
         return found - width, found + width
+
+    def _design(self, a: Any, factors: Optional[Mapping[str, Any]]) -> Any:
+        """Return rows with a column for each coefficient."""
+        names, wanted, hint = self.feature_names, len(self.x), ""
+        if factors is not None:
+            wanted -= len(self.factor_columns)
+        elif self.factor_levels:
+            those = ", ".join(name for name, _ in self.factor_levels)
+            hint = f"; the labels of {those} go to factors"
+            own = names_of(a)
+            if names and own and not set(self.factor_columns) <= set(own):
+                raise ValueError(f"a: has no column {self.factor_columns[0]}{hint}")
+            names += self.factor_columns if names else ()
+        rows = matrix_of("a", columns_of("a", a, names) if names else a)
+        # One row may be a vector.
+        shape = np.shape(rows) if not is_sparse(rows) else rows.shape
+        if len(shape) not in (1, 2) or shape[-1] != wanted or len(shape) == 1 and factors:
+            raise ValueError(f"a: expected m x {wanted}, got {' x '.join(map(str, shape))}{hint}")
+        if factors is None:
+            return rows
+        columns = indicators(self.factor_levels, factors, rows.shape[0])
+        refuse_other_factors(a, factors)
+        if is_sparse(rows):
+            from scipy.sparse import hstack
+
+            return hstack([rows, columns], format="csr")
+        return np.hstack([rows, columns])
 
     def _factor(self, confidence: float) -> float:
         if not 0 < confidence < 1:
@@ -233,46 +306,6 @@ OF_TARGETS = (
     "intercept_t_statistics",
     "intercept_p_values",
 )
-
-
-def coded(factors: Mapping[str, Any]) -> Tuple[List[Tuple[str, List[str], bool]], Any]:
-    """Return the names and levels of factors, and a column of codes for each, NaN where missing.
-
-    Levels of a pandas categorical, or of anything else with ``categories`` and ``codes``, keep
-    their order.
-    """
-    found: List[Tuple[str, List[str], bool]] = []
-    columns: List[Any] = []
-    for name, values in factors.items():
-        values = getattr(values, "cat", values)
-        if hasattr(values, "categories") and hasattr(values, "codes"):
-            codes = np.array(values.codes, dtype=np.float64)
-            codes[codes < 0] = np.nan
-            found.append((name, [str(level) for level in values.categories], True))
-            columns.append(codes)
-            continue
-        # As text, NaN beside words would be a word.
-        array = np.asarray(values, dtype=object)
-        if array.ndim != 1:
-            raise ValueError(f"factors: {name}: expected a vector, got {array.ndim} dimensions")
-        labels = array.tolist()
-        missing = [is_missing(label) for label in labels]
-        known = [str(label) for label, none in zip(labels, missing) if not none]
-        levels = {level: k for k, level in enumerate(dict.fromkeys(known))}
-        codes = np.array([levels.get(str(label), np.nan) for label in labels], dtype=np.float64)
-        codes[np.array(missing, dtype=bool)] = np.nan
-        found.append((name, list(levels), False))
-        columns.append(codes)
-    if len({len(column) for column in columns}) > 1:
-        raise ValueError("factors: of different lengths")
-    return found, np.column_stack(columns) if columns else None
-
-
-def is_missing(label: Any) -> bool:
-    """Return whether a label is None, or NaN, NaT or NA, which do not equal themselves."""
-    same = label == label
-    # Of the NA of pandas it is NA, which is neither true nor false.
-    return label is None or not isinstance(same, (bool, np.bool_)) or not same
 
 
 def lstsq(
@@ -363,18 +396,27 @@ def lstsq(
         targets = 1 if one else np.shape(b)[1]
         fit: LeastSquares = of_first(comm, lambda: solution(total._lstsq(targets, options), one))
         return replace(fit, feature_names=names_of(a))
+    refuse_other_rows(a, b=b, weights=weights)
     if not factors and missing == "error":
         found = _catamaran.lstsq(rows_of(a), b, weights, options, callback(progress))
         found.update(feature_names=names_of(a))
         return solution(found, np.ndim(b) == 1)
     b = matrix_of("b", b)
     levels, codes = coded(factors or {})
+    refuse_other_factors(a, factors or {})
     if codes is None:
         codes = np.empty((np.shape(b)[0], 0))
     found, columns, left_out = _catamaran.lstsq_table(
         rows_of(a), codes, levels, b, weights, missing == "drop", options, callback(progress)
     )
-    found.update(factor_columns=tuple(columns), left_out=tuple(left_out), feature_names=names_of(a))
+    if len(left_out) == len(codes) > 0:
+        raise ValueError(f"a: a value is missing in each of {len(codes)} rows: none is left")
+    found.update(
+        factor_columns=tuple(columns),
+        factor_levels=levels_of(levels, np.delete(codes, left_out, axis=0), columns),
+        left_out=tuple(left_out),
+        feature_names=names_of(a),
+    )
     return solution(found, np.ndim(b) == 1)
 
 
@@ -400,7 +442,10 @@ class PrincipalComponents:
     feature_names: Tuple[str, ...] = ()
 
     def transform(self, rows: ArrayLike, *, progress: Progress = None) -> NDArray[np.float64]:
-        """Return the scores (m x count) of rows (m x n), which may be a matrix of scipy.sparse."""
+        """Return the scores (m x count) of rows (m x n), which may be a matrix of scipy.sparse, or
+        a data frame: after one of a data frame, its columns are taken by their names."""
+        if self.feature_names:
+            rows = columns_of("rows", rows, self.feature_names)
         return _catamaran.scores(rows_of(rows), self, callback(progress))
 
     @to_nearest
@@ -498,6 +543,7 @@ def pca(
         about = {"standardize": standardize, "whiten": whiten, "threads": threads}
         of_all: PrincipalComponents = of_first(comm, lambda: total.pca(n_components, **about))
         return replace(of_all, feature_names=names_of(a))
+    refuse_other_rows(a, weights=weights)
     found = _catamaran.pca(
         rows_of(a), weights, n_components, standardize, whiten, threads, callback(progress)
     )

@@ -94,6 +94,12 @@ def read_mesh(path: Path, *, attributes: bool = False) -> Any:
     return (v, f, more) if attributes else Mesh(v, f)
 
 
+def shares(colors: Any) -> Any:
+    """Return colours from 0 to 1, of bytes too."""
+    given = None if colors is None else matrix_of("colors", colors)
+    return given / 255 if given is not None and given.dtype == np.uint8 else given
+
+
 def read_scalars(path: Path) -> Dict[str, NDArray[np.float64]]:
     """Read values of vertices: of a mesh, of GIFTI without a surface, or of FreeSurfer.
 
@@ -147,7 +153,7 @@ def write_mesh(
     v, f : array_like, n x 3 and m x 3
         Vertices and faces; or a mesh instead of both.
     colors : array_like, n x 3 or n x 4, optional
-        Colours of the vertices, from 0 to 1.
+        Colours of the vertices, from 0 to 1; those of uint8, as trimesh has them, from 0 to 255.
     uv : array_like, m x 3 x 2, optional
         Texture coordinates of the corners of faces, NaN where a face has none.
     overwrite : bool
@@ -172,7 +178,7 @@ def write_mesh(
         raise TypeError("f: missing, and v is not a mesh")
     if uv is not None:
         uv = np.asarray(matrix_of("uv", uv), dtype=np.float64)
-    warn(path, _catamaran.write_mesh(path, mesh[0], mesh[1], colors, uv, overwrite, text))
+    warn(path, _catamaran.write_mesh(path, mesh[0], mesh[1], shares(colors), uv, overwrite, text))
 
 
 def mesh_from_bytes(data: bytes, format: MeshFormat, *, attributes: bool = False) -> Any:
@@ -229,7 +235,7 @@ def mesh_to_bytes(
     """
     if uv is not None:
         uv = np.asarray(matrix_of("uv", uv), dtype=np.float64)
-    data, notes = _catamaran.mesh_to_bytes(v, f, format, colors, uv, text)
+    data, notes = _catamaran.mesh_to_bytes(v, f, format, shares(colors), uv, text)
     warn(f"mesh.{format}", notes)
     return data
 

@@ -138,6 +138,13 @@ def matrix_of(name: str, a: Any) -> Any:
     return np.asarray(a) if frame is None else frame.rows(0, frame.shape[0])
 
 
+def some(numbers: Any) -> Any:
+    """Return one number as a list of it, anything else as it is."""
+    import numpy as np
+
+    return [numbers] if isinstance(numbers, (int, np.integer)) else numbers
+
+
 def to_scipy(parts: Tuple[Any, Any, Any, Tuple[int, int]]) -> Any:
     """Return a `scipy.sparse.csr_array` of what the extension returns."""
     # Not at the top: it takes as long to load as all else.

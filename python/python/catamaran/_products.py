@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from . import _catamaran
+from ._frames import refuse_other_rows
 from ._gram import LeastSquares, PrincipalComponents, fit_options, solution
 from ._options import (
     Path,
@@ -164,6 +165,7 @@ def ata(
         total = sums(comm, a, None, weights, kind, center is True, dtype, more)
         c: NDArray[Any] = of_first(comm, lambda: total.result(alpha=alpha, uplo=uplo))
         return c
+    refuse_other_rows(a, b=b, weights=weights)
     options = products(uplo, scheme, accuracy, reproducible, threads, backend)
     if progress is not None:
         progress = callback(progress)
@@ -238,6 +240,7 @@ def verify(
     >>> bool(catamaran.verify(a, c)), bool(catamaran.verify(a, c + np.eye(3)))
     (True, False)
     """
+    refuse_other_rows(a, weights=weights)
     middle = _center(center)
     return Verification(
         *_catamaran.verify(rows_of(a), c, weights, middle, alpha, uplo, rounds, seed)
@@ -289,6 +292,8 @@ def cov(
     rows: Any = matrix_of("a", a)
     if rows.ndim == 2 and rowvar:
         rows = rows.T
+    else:
+        refuse_other_rows(a, fweights=fweights, aweights=aweights)
     if rows.ndim != 2:
         raise ValueError(f"a: expected an array of 2 dimensions, got {rows.ndim}")
     weights = None
@@ -485,6 +490,7 @@ class Accumulator(_catamaran.Accumulator):
         progress: Progress = None,
     ) -> None:
         """Add rows (any number x columns), with a weight for each or none."""
+        refuse_other_rows(rows, weights=weights)
         options = products("both", scheme, accuracy, False, threads, None)
         self._add(rows, weights, options, callback(progress))
 
@@ -514,6 +520,7 @@ class Accumulator(_catamaran.Accumulator):
         progress: Progress = None,
     ) -> None:
         """Remove rows that were added to exact sums, with the same weights."""
+        refuse_other_rows(rows, weights=weights)
         options = products("both", "auto", "default", False, threads, None)
         self._remove(rows, weights, options, callback(progress))
 

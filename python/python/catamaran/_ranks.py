@@ -11,6 +11,7 @@ from typing import Any, Callable, Dict, Iterator, List, Optional
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
+from ._frames import refuse_other_rows
 from ._options import is_sparse, matrix_of
 from ._products import Accumulator, is_wide
 from ._words import Sums
@@ -21,6 +22,9 @@ BLOCK = 4096
 
 def gathered(comm: Any, work: Callable[[], Any]) -> List[Any]:
     """Return what `work` returns on each rank. If it fails on one, every rank raises an error."""
+    if not hasattr(comm, "allgather"):
+        kind = type(comm).__name__
+        raise TypeError(f"comm: expected a communicator, such as MPI.COMM_WORLD, got a {kind}")
     found, error, said = None, None, None
     try:
         found = work()
@@ -59,6 +63,7 @@ def sums(
 
     def survey() -> Any:
         nonlocal masses
+        refuse_other_rows(a, b=b, weights=weights)
         for name, given in (("a", a), ("b", b)):
             if given is not None:
                 if is_sparse(given):

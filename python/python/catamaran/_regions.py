@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
-from ._options import matrix_of
+from ._options import matrix_of, some
 from ._surface import Part, part, takes_mesh
 from ._words import Side
 
@@ -72,7 +72,7 @@ def enclosed_faces(
         other; the boundary of the mesh bounds regions, too.
     side : {"small", "large"}
         The side of smaller or of larger area, on each part of the surface with curves.
-    seeds : array_like of vertices, optional
+    seeds : int, or array_like of vertices, optional
         The region is the pieces with these vertices instead, which are on no curve.
 
     Returns
@@ -92,7 +92,7 @@ def enclosed_faces(
     >>> catamaran.enclosed_faces(mesh, [[2, 3]])
     array([ True,  True, False, False, False, False])
     """
-    return _catamaran.enclosed_faces(v, f, along, side, seeds)
+    return _catamaran.enclosed_faces(v, f, along, side, some(seeds))
 
 
 @takes_mesh

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, List, NamedTuple, Optional, Union
+from typing import Any, List, NamedTuple, Optional, Tuple, Union
 
+import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
 from ._options import Progress, callback
-from ._surface import Mesh, takes_mesh
+from ._surface import Mesh, array_of, takes_mesh
 from ._words import Weld
 
 __all__ = ["Repaired", "repair"]
@@ -56,7 +57,8 @@ def repair(
     drop_duplicates : bool
         Whether faces with the vertices of an earlier one are left out.
     drop_degenerate : bool
-        Whether faces without area are removed.
+        Whether faces without area are removed; those that have a vertex twice, which other
+        functions refuse, before all other steps.
     compact : bool
         Whether vertices without a face are left out.
     cut : bool
@@ -99,5 +101,20 @@ def repair(
         "fill_holes": fill_holes,
         "orient": orient,
     }
+    collapsed = 0
+    if everything or drop_degenerate:
+        f, collapsed = without_collapsed(f)
     mesh, vertices, report = _catamaran.repair(v, f, steps, callback(progress))
+    if collapsed > 0:
+        report.insert(0, f"left out    facets with two equal corners: {collapsed}")
     return Repaired(Mesh(*mesh), vertices, report)
+
+
+def without_collapsed(f: Any) -> Tuple[Any, int]:
+    """Return faces without those that have a vertex twice, and the number of these."""
+    faces = array_of("f", f)
+    if faces.ndim != 2 or faces.shape[1] != 3:
+        # The error of the extension says so.
+        return f, 0
+    kept = (faces != np.roll(faces, 1, axis=1)).all(axis=1)
+    return (f, 0) if kept.all() else (faces[kept], int((~kept).sum()))

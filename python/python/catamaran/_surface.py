@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from functools import wraps
 from typing import (
     Any,
@@ -39,8 +40,22 @@ __all__ = [
 ]
 
 
-class Mesh(NamedTuple):
+class _Arrays(NamedTuple):
+    """What a `Mesh` is a tuple of."""
+
+    #: Vertices, n x 3.
+    v: NDArray[np.float64]
+    #: Faces, m x 3.
+    f: NDArray[Any]
+
+
+class Mesh(_Arrays):
     """A mesh: a pair of arrays, which is given back as a mesh of another package on request.
+
+    Parameters
+    ----------
+    v, f : array_like, n x 3 and m x 3
+        Vertices and faces; or a mesh of trimesh, meshio or pyvista instead of both.
 
     Examples
     --------
@@ -52,10 +67,11 @@ class Mesh(NamedTuple):
     (0, 480)
     """
 
-    #: Vertices, n x 3.
-    v: NDArray[np.float64]
-    #: Faces, m x 3.
-    f: NDArray[Any]
+    __slots__ = ()
+
+    def __new__(cls, v: Union[ArrayLike, MeshLike], f: Optional[ArrayLike] = None) -> Mesh:
+        found = needed("v", v) if f is None else (v, f)
+        return super().__new__(cls, *map(array_of, ("v", "f"), found))
 
     def to_trimesh(self, **options: Any) -> Any:
         """Return a `trimesh.Trimesh` with these vertices and faces; `options` go to it."""
@@ -244,14 +260,26 @@ class Refined(NamedTuple):
         values : array_like, a row for each vertex of the coarse mesh
             Colours, functions, or other numbers.
         """
-        given = matrix_of("values", values)
-        count = int(self.vertices.max(initial=-1)) + 1
-        if given.ndim == 0 or len(given) < count:
-            raise ValueError(
-                f"values: expected a row for each vertex, at least {count}, got {given.shape}"
-            )
-        found: NDArray[Any] = np.einsum("ij,ij...->i...", self.weights, given[self.vertices])
-        return found
+        return blended(values, self.vertices, self.weights, self.vertices)
+
+
+def blended(values: Any, corners: Any, weights: Any, used: Any) -> NDArray[Any]:
+    """Return values at points, given by three vertices and their weights each.
+
+    `values` have a row for each vertex, `used` are all vertices that need one. Rounding leaves no
+    result outside of the values at the three.
+    """
+    given = matrix_of("values", values)
+    count = int(used.max(initial=-1)) + 1
+    if given.ndim == 0 or len(given) < count:
+        raise ValueError(
+            f"values: expected a row for each vertex, at least {count}, got {given.shape}"
+        )
+    three = given[corners]
+    found: NDArray[Any] = np.einsum("ij,ij...->i...", weights, three)
+    if found.dtype.kind != "c":
+        np.clip(found, three.min(axis=1), three.max(axis=1), out=found)
+    return found
 
 
 def refined(found: Any) -> Refined:
@@ -299,7 +327,12 @@ def mesh_arrays(mesh: Any) -> Optional[Tuple[Any, Any]]:
         return None
     points = np.asarray(mesh.points)
     if hasattr(mesh, "cells_dict"):
-        cells = {kind: np.asarray(all_of) for kind, all_of in mesh.cells_dict.items()}
+        # pyvista numbers kinds as VTK does, meshio names them.
+        names = {1: "vertex", 3: "line", 5: "triangle"}
+        cells = {
+            names.get(kind, str(kind)): np.asarray(all_of)
+            for kind, all_of in mesh.cells_dict.items()
+        }
         # Those of no area stay behind.
         others = sorted(cells.keys() - {"triangle", "line", "vertex"})
         if others:
@@ -313,6 +346,11 @@ def mesh_arrays(mesh: Any) -> Optional[Tuple[Any, Any]]:
     return None
 
 
+def array_of(name: str, a: Any) -> Any:
+    """Return an array as it is, a list as an array; a mask is refused."""
+    return a if type(a) is np.ndarray else matrix_of(name, a)
+
+
 def needed(name: str, mesh: Any) -> Tuple[Any, Any]:
     """Return vertices and faces of a mesh, or of a pair of them."""
     found = mesh_arrays(mesh) or mesh
@@ -320,6 +358,20 @@ def needed(name: str, mesh: Any) -> Tuple[Any, Any]:
         kind = type(mesh).__name__
         raise TypeError(f"{name}: expected a mesh, or vertices and faces, got {kind}")
     return found[0], found[1]
+
+
+def refuse_others(v: Any) -> None:
+    """Refuse what people take for a mesh: the name of a file, and a scene of trimesh.
+
+    Raises
+    ------
+    TypeError
+        Says what makes a mesh of it.
+    """
+    if isinstance(v, (str, os.PathLike)):
+        raise TypeError(f"v: expected a mesh, got a name: read_mesh({os.fspath(v)!r}) reads one")
+    if hasattr(v, "geometry") and hasattr(v, "to_mesh"):
+        raise TypeError(f"v: expected a mesh, got a {type(v).__name__}: to_mesh() makes one of it")
 
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -335,6 +387,7 @@ def with_mesh(function: F) -> F:
     def taking(v: Any, *arguments: Any, **named: Any) -> Any:
         mesh = mesh_arrays(v)
         if mesh is None:
+            refuse_others(v)
             return function(v, *arguments, **named)
         return function(*mesh, *arguments, **named)
 
