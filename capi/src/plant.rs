@@ -17,7 +17,7 @@
 use std::ffi::{c_char, c_void};
 use std::sync::Arc;
 
-use super::boundary::{boundary, path};
+use super::boundary::{boundary, path, utf8};
 use super::outputs::{copy, copy_wanted, fill_slice};
 use super::params::{Params, flag, init, or_default, params, read_or_zeros};
 use super::pointer::{
@@ -29,8 +29,8 @@ use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_SHAPE, Failure, cata_status};
 use catamaran::Par;
 use catamaran_simulation::plant::families::{GrowthOptions, grow};
 use catamaran_simulation::plant::{
-    Bdf6, Conductivity, CurveOptions, Elasticity, Interval, Plant, Segment, SpectralSolution,
-    Start, WaterModel, WaterOptions, water_curve,
+    Bdf6, Conductivity, CurveOptions, Elasticity, Interval, Plant, ReadOptions, Segment,
+    SpectralSolution, Start, WaterModel, WaterOptions, water_curve,
 };
 
 /// The parent of the root of a plant.
@@ -178,6 +178,46 @@ pub unsafe extern "C" fn cata_plant_read(
         // SAFETY: clause `memory` (`plant`, one value), clause `texts` (`path`).
         let (path, place) = unsafe { (self::path("path", path)?, output("plant", plant)?) };
         let graph = catamaran_simulation::plant::read(&path)?;
+        // SAFETY: clause `passed on` (`model`).
+        hand_over(place, unsafe { model(graph, params) }?);
+        Ok(())
+    })
+}
+
+/// Reads the plant in a file as cata_plant_read does, in the units of the file.
+///
+/// - `unit`: 2 elements: metres in a unit of its lengths and coordinates, and in one of its
+///   radii and diameters; NULL: 1 and 1.
+/// - `individual`: the name of one of several plants in an .mtg file, such as P3, in UTF-8;
+///   NULL or an empty text: the file has one plant. The error without a name lists the names.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_plant_read_with(
+    path: *const c_char,
+    unit: *const f64,
+    individual: *const c_char,
+    params: *const cata_plant_params,
+    plant: *mut *mut cata_plant,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: clause `memory` (`unit`, `2` elements; `plant`, one value), clause `texts`
+        // (`path`, `individual`).
+        let (path, unit, individual, place) = unsafe {
+            (
+                self::path("path", path)?,
+                optional_slice("unit", unit.cast::<[f64; 2]>(), 1)?,
+                (!individual.is_null()).then(|| utf8("individual", individual)).transpose()?,
+                output("plant", plant)?,
+            )
+        };
+        let mut options = ReadOptions::new()
+            .individual(individual.as_deref().filter(|individual| !individual.is_empty()));
+        if let Some(&[unit]) = unit {
+            options = options.unit(unit);
+        }
+        let graph = catamaran_simulation::plant::read_with(&path, &options)?;
         // SAFETY: clause `passed on` (`model`).
         hand_over(place, unsafe { model(graph, params) }?);
         Ok(())

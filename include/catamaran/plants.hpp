@@ -150,6 +150,17 @@ public:
         });
     }
 
+    /// A plant in a file, in the units of the file: metres in a unit of its lengths, and in one of
+    /// its radii. `individual` is the name of one of several plants in an .mtg file.
+    static plant read(const std::string& path, const std::array<double, 2>& unit,
+                      const std::string& individual = {}, const plant_options& how = {}) {
+        plant found(how.progress);
+        found.make(how, [&](auto params, auto out) {
+            return cata_plant_read_with(path.c_str(), unit.data(), individual.c_str(), params, out);
+        });
+        return found;
+    }
+
     /// A plant of n >= 1 nodes that grows by chance, the same for the same seed.
     static plant grow(std::size_t n, std::uint64_t seed, const plant_options& how = {}) {
         plant grown(how.progress);

@@ -3,6 +3,7 @@
 #include <catamaran.h>
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "check.h"
@@ -23,6 +24,34 @@ static cata_plant *new_plant(double loss)
     cata_plant *plant = NULL;
     CHECK_STATUS(cata_plant_new(N, tails, radii, parents, kinds, base, &params, &plant), CATA_OK);
     return plant;
+}
+
+/* Two plants of one segment each, in centimetres and millimetres. */
+static void test_units_and_individuals(void)
+{
+    const char *name = "test_plant_units.mtg";
+    FILE *file = fopen(name, "w");
+    CHECK(file != NULL);
+    fputs("MTG:\nTOPO\tLength\tDiameter\n/P1\n^/E1\t1\t4\n/P2\n^/E1\t200\t6\n", file);
+    fclose(file);
+    const double unit[2] = {1e-2, 1e-3};
+    cata_plant *plant = NULL;
+    CHECK_STATUS(cata_plant_read_with(name, unit, "P2", NULL, &plant), CATA_OK);
+    double end[3], radius, start[3];
+    CHECK_STATUS(cata_plant_segments(plant, 1, end, &radius, NULL, NULL, start), CATA_OK);
+    const double along[3] = {end[0] - start[0], end[1] - start[1], end[2] - start[2]};
+    CHECK(fabs(hypot(hypot(along[0], along[1]), along[2]) - 2) < 1e-14);
+    CHECK(fabs(radius - 3e-3) < 1e-17);
+    cata_plant_free(plant);
+    plant = NULL;
+    CHECK_STATUS(cata_plant_read_with(name, NULL, "", NULL, &plant), CATA_ERR_IO);
+    CHECK_MENTIONS("P1");
+    const double none[2] = {0, 1};
+    CHECK_STATUS(cata_plant_read_with(name, none, "P2", NULL, &plant), CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("unit");
+    CHECK_STATUS(cata_plant_read_with(NULL, unit, NULL, NULL, &plant), CATA_ERR_NULL);
+    CHECK(plant == NULL);
+    remove(name);
 }
 
 static double sum(const double *water)
@@ -264,6 +293,7 @@ static void test_refusals(void)
 int main(void)
 {
     test_full_water_and_decay();
+    test_units_and_individuals();
     test_literal_elasticity();
     test_steps_and_independent_handles();
     test_curves_and_rates();

@@ -1,4 +1,4 @@
-//! Chapter 4 of the thesis, measured again: figures 4.3 to 4.11, and a race of the water solver.
+//! Chapter 4 of the thesis, measured again: figures 4.3 to 4.11, and races of water and rods.
 
 mod accuracy;
 mod figures;
@@ -9,6 +9,7 @@ mod race;
 #[allow(dead_code)] // tests have more of it
 #[path = "../../../simulation/tests/simulation/plant/reference.rs"]
 mod reference;
+mod rods;
 mod shapes;
 mod shares;
 mod storms;
@@ -20,6 +21,7 @@ pub use figures::{cut, errors_by_conductance, errors_over_time, grid, sections, 
 pub use leaves::leaves;
 pub use part::Part;
 pub use race::race;
+pub use rods::{beam, rods};
 pub use shapes::{hanging, held, naive};
 pub use shares::shares;
 pub use storms::storms;

@@ -447,8 +447,15 @@ impl Args {
 
     /// Returns the conditions of the simulation.
     pub fn weather(&self, plant: &Plant) -> Result<Weather> {
+        /// Days at most: the library walks through 10^6 changes of the loss, one after the other.
+        const DAYS: f64 = 5e5;
         if self.motion.is_some() && self.frames == 0 {
             bail!("--frames 0: --motion needs at least 1");
+        }
+        let days = self.hours / 24.0;
+        if self.day_night && days > DAYS {
+            let hours = self.hours;
+            bail!("--hours {hours}, --day-night: {days:.1e} days and nights; at most {DAYS:.0e}");
         }
         let seconds = 3600.0 * self.hours;
         if let Some(Pour(late)) = self.rewater.iter().find(|pour| pour.0.seconds > seconds) {

@@ -476,6 +476,22 @@ fn soil_is_emptied_and_watered_and_no_water_is_lost() {
 }
 
 #[test]
+fn days_without_end_are_refused_and_soil_of_nothing_ends_at_once() {
+    let folder = Folder::new();
+    let years = "wilt --grow 30 --hours 1e9 --day-night --frames 2 --mesh none -o years";
+    let refused = folder.fail(years);
+    assert!(refused.contains("--day-night: 4.2e7 days and nights; at most 5e5"), "{refused}");
+    let run = |options: &str, out: &str| {
+        folder.succeed(&format!(
+            "wilt --grow 30 --hours 24 --frames 2 --mesh none -o {out} {options}"
+        ));
+        table(&folder, &format!("{out}/water.csv")).1
+    };
+    let (none, nothing) = (run("", "none"), run("--soil 1e-300", "nothing"));
+    assert!((nothing[2][1] / none[2][1] - 1.0).abs() < 1e-6, "{nothing:?} {none:?}");
+}
+
+#[test]
 fn heights_of_nodes_tell_the_steepness_of_each_part() {
     let folder = Folder::new();
     let plant = "wilt --grow 40 --seed 3";

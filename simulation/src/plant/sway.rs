@@ -3,7 +3,7 @@ use std::time::{Duration, Instant};
 use super::rods::{Motion, MotionOptions, Pose, Rods};
 use super::tissue::Tissue;
 use super::water::{
-    Balance, CurveOptions, Interval, Method, Rewatering, Soil, Stomata, Walk, WaterModel,
+    Balance, CurveOptions, Interval, Rewatering, Soil, Stomata, Times, Walk, WaterModel,
 };
 use super::wilt::{check_frames, settle};
 use super::wind::{Gusts, Wind};
@@ -74,16 +74,9 @@ impl Sway {
     }
 }
 
-/// Returns the options of the water, in steps of `lapse` seconds.
-fn course(options: &SwayOptions<'_>, lapse: f64) -> CurveOptions<'static> {
-    let is_linear = options.stomata.is_none() && options.soil.is_none();
-    let method = match is_linear {
-        false => Method::Auto,
-        true if lapse > 0.0 => Method::Bdf6 { step: lapse },
-        true => Method::Rational,
-    };
+/// Returns the options of the water.
+fn course(options: &SwayOptions<'_>) -> CurveOptions<'static> {
     CurveOptions::new()
-        .method(method)
         .cycle(options.cycle.clone())
         .stomata(options.stomata)
         .soil(options.soil)
@@ -92,11 +85,10 @@ fn course(options: &SwayOptions<'_>, lapse: f64) -> CurveOptions<'static> {
 }
 
 /// Simulates a plant that dries, wilts and moves, as in a time-lapse film: `options.drought`
-/// seconds of water pass in `options.seconds` of motion. In every step, [`Bdf6`](super::Bdf6) (with
-/// stomata or soil, the method of [`Method::Auto`]) advances the water, the stiffness and the
-/// weight are computed from it (thesis, section 4.5.4), and [`Motion`] advances the rods in the
-/// current wind. The plant begins with full cells and at rest, or, between pins, in the pose of
-/// [`Rods::relax`].
+/// seconds of water pass in `options.seconds` of motion. In every step, the method of
+/// [`Method::Auto`](super::Method::Auto) advances the water, the stiffness and the weight are
+/// computed from it (thesis, section 4.5.4), and [`Motion`] advances the rods in the current wind.
+/// The plant begins with full cells and at rest, or, between pins, in the pose of [`Rods::relax`].
 ///
 /// ```
 /// use catamaran_simulation::plant::families::{GrowthOptions, grow};
@@ -132,8 +124,8 @@ pub fn sway(model: &WaterModel, rods: &Rods, options: &SwayOptions<'_>) -> Resul
 
     let full = model.full();
     check_frames("frames", options.frames, full.len())?;
-    let course = course(options, lapse);
-    let mut walk = Walk::new(model, &full, &[], &course)?;
+    let course = course(options);
+    let mut walk = Walk::new(model, &full, Times::equal(lapse, count), &course)?;
     let mut rods = rods.clone();
     let mut water = full.clone();
     let mut moduli = options.elasticity.moduli(&water, &full)?;

@@ -34,12 +34,13 @@ pub struct Arguments {
     /// Chapter 4: nodes of the largest plant of the race.
     #[arg(long, default_value_t = 1_000_000, value_name = "NODES")]
     largest: usize,
-    /// Chapters 4, 7 and 8: repetitions of the race.
+    /// Chapters 4, 7 and 8: repetitions of races.
     #[arg(long, default_value_t = 5, value_name = "N")]
     repeat: usize,
-    /// Chapters 3 and 7: only a part of it.
-    #[arg(long)]
-    only: Option<textures::Share>,
+    /// Only a part: of chapter 4 figures, leaves, water or rods; of chapters 3 and 7 figures,
+    /// tables, long or gpu.
+    #[arg(long, value_name = "PART")]
+    only: Option<String>,
     /// Chapter 8: the largest side of a square matrix.
     #[arg(long, default_value_t = 7500, value_name = "N")]
     side: usize,
@@ -111,24 +112,63 @@ impl Report {
     }
 }
 
+/// A part of a chapter with its own files in the record.
+#[derive(Clone, Copy)]
+enum Share {
+    Whole,
+    Plant(plant::Share),
+    Textures(textures::Share),
+}
+
+impl Arguments {
+    /// Returns the parts to run.
+    fn shares(&self) -> Result<Vec<Share>> {
+        use textures::Share::{Figures, Tables};
+        let Some(only) = &self.only else {
+            return Ok(match self.what {
+                What::Plant => plant::Share::ALL.map(Share::Plant).into(),
+                What::Textures => [Figures, Tables].map(Share::Textures).into(),
+                _ => vec![Share::Whole],
+            });
+        };
+        let share = match self.what {
+            What::Plant => Share::Plant(named(only)?),
+            What::Textures => Share::Textures(named(only)?),
+            _ => return Err("--only: applies to plant and textures only".into()),
+        };
+        Ok(vec![share])
+    }
+}
+
+/// Returns the part of a name.
+fn named<T: ValueEnum>(only: &str) -> Result<T> {
+    T::from_str(only, true).map_err(|_| {
+        let known: Vec<String> = T::value_variants()
+            .iter()
+            .filter_map(|part| Some(part.to_possible_value()?.get_name().into()))
+            .collect();
+        format!("--only: must be one of {}, is {only}", known.join(", ")).into()
+    })
+}
+
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let shares = match (arguments.what, arguments.only) {
-        (What::Textures, None) => {
-            &[Some(textures::Share::Figures), Some(textures::Share::Tables)][..]
-        }
-        (What::Textures, only) => &[only],
-        (_, None) => &[None],
-        (_, Some(_)) => return Err("--only: applies to textures only".into()),
-    };
-    shares.iter().try_for_each(|&share| run_share(arguments, share))
+    arguments.shares()?.into_iter().try_for_each(|share| run_share(arguments, share))
 }
 
 /// Runs a chapter without shares, or one share.
-fn run_share(arguments: &Arguments, share: Option<textures::Share>) -> Result<()> {
+fn run_share(arguments: &Arguments, share: Share) -> Result<()> {
     let host = host::describe(&[]);
     let start = Instant::now();
     let mut report = Report::default();
     let (name, header) = match arguments.what {
+        What::Plant => {
+            let share = match share {
+                Share::Plant(share) => share,
+                _ => plant::Share::Figures,
+            };
+            plant::run(&mut report, share, arguments)?;
+            (share.name(), plant::HEADER)
+        }
         What::Spectral => {
             spectral::run(&mut report, arguments.quick)?;
             ("spectral", spectral::HEADER)
@@ -136,10 +176,6 @@ fn run_share(arguments: &Arguments, share: Option<textures::Share>) -> Result<()
         What::Unions => {
             unions::run(&mut report, arguments)?;
             ("unions", unions::HEADER)
-        }
-        What::Plant => {
-            plant::run(&mut report, arguments)?;
-            ("plant", plant::HEADER)
         }
         What::Decimate => {
             decimate::run(&mut report, arguments)?;
@@ -162,7 +198,10 @@ fn run_share(arguments: &Arguments, share: Option<textures::Share>) -> Result<()
             ("curve-orders", curve_limits::ORDERS)
         }
         What::Textures => {
-            let share = share.unwrap_or(textures::Share::Figures);
+            let share = match share {
+                Share::Textures(share) => share,
+                _ => textures::Share::Figures,
+            };
             textures::run(&mut report, share, arguments)?;
             (share.name(), textures::HEADER)
         }

@@ -8,7 +8,7 @@
 
 use super::joint::{difference, strain, strain_derivative};
 use super::small::{
-    Matrix, NO_ROTATION, Quaternion, add, cholesky, cross_matrix, identity, image, inverse,
+    Factor, Matrix, NO_ROTATION, Quaternion, add, cholesky, cross_matrix, identity, image, inverse,
     logarithm, product, rotation_matrix, solve, solve_matrix, times, transposed, turned,
 };
 use super::{Pose, Rods, joint};
@@ -75,6 +75,7 @@ pub struct Motion {
     moving: Moving,
     /// The velocity of the air, in m / s; `None` without air.
     wind: Option<Vector>,
+    workspace: Workspace,
 }
 
 /// The mechanical energy of rods, in J.
@@ -119,13 +120,25 @@ struct Step {
     drag: Vec<Matrix<3>>,
 }
 
-/// The equations of the bodies: the blocks on the diagonal, and the right-hand sides.
-struct Bodies {
+/// The memory of a Newton step, kept from one to the next: fresh memory of this size costs a
+/// quarter of the time.
+#[derive(Debug, Clone, Default)]
+struct Workspace {
+    joints: Vec<Joint>,
+    /// The equations of the bodies: the blocks on the diagonal, in the end their factors, and the
+    /// right-hand sides.
     blocks: Vec<Matrix<6>>,
     right: Vec<[f64; 6]>,
+    /// For every joint, the factor of its block, and its right-hand side.
+    joint_factors: Vec<Factor<6>>,
+    joint_right: Vec<[f64; 6]>,
+    /// The steps of bodies and the changes of multipliers.
+    steps: Vec<[f64; 6]>,
+    changes: Vec<[f64; 6]>,
 }
 
 /// The equations of the joint of a segment.
+#[derive(Debug, Clone)]
 struct Joint {
     error: [f64; 6],
     compliance: Matrix<6>,
@@ -157,6 +170,7 @@ impl Motion {
                 multipliers: vec![[0.0; 6]; n],
             },
             wind: None,
+            workspace: Workspace::default(),
         };
         motion.set_rods(rods)?;
         Ok(motion)
@@ -326,16 +340,22 @@ impl Motion {
     /// Computes one Newton iteration: `M/h^2 (X - aim) = J^T l`, `C(X) + A l = 0`. Returns the
     /// largest rotation, in radians.
     fn newton(&mut self, step: &Step) -> Result<f64> {
-        let joints: Vec<Joint> = (0..self.rods.len()).map(|v| self.joint(v)).collect();
-        let system = self.system(&joints, step);
-        let [steps, changes] =
-            self.solve_tree(&joints, system, step.seconds).ok_or_else(singular)?;
+        let mut workspace = std::mem::take(&mut self.workspace);
+        let turn = self.newton_in(step, &mut workspace);
+        self.workspace = workspace;
+        turn
+    }
+
+    fn newton_in(&mut self, step: &Step, workspace: &mut Workspace) -> Result<f64> {
+        self.set_system(step, workspace);
+        self.solve_tree(step.seconds, workspace).ok_or_else(singular)?;
+        let Workspace { steps, changes, .. } = workspace;
         let turn = steps.iter().map(|s| norm([s[3], s[4], s[5]])).fold(0.0, f64::max);
         if !turn.is_finite() {
             return Err(singular());
         }
         let part = (LARGEST_TURN / turn).min(1.0);
-        for (v, (step, change)) in steps.iter().zip(&changes).enumerate() {
+        for (v, (step, change)) in steps.iter().zip(changes).enumerate() {
             accumulate(&mut self.moving.multipliers[v], &change.map(|x| part * x));
             let [x, y, z, a, b, c] = step.map(|x| part * x);
             self.moving.centres[v] = plus(self.moving.centres[v], [x, y, z]);
@@ -344,11 +364,13 @@ impl Motion {
         Ok(turn)
     }
 
-    /// Returns the equations of the bodies, without those of the joints.
-    fn system(&self, joints: &[Joint], step: &Step) -> Bodies {
+    /// Sets the equations of joints and bodies.
+    fn set_system(&self, step: &Step, workspace: &mut Workspace) {
         let n = self.rods.len();
-        let mut blocks: Vec<Matrix<6>> = (0..n).map(|v| self.inertia(v, step.seconds)).collect();
-        let mut right: Vec<[f64; 6]> = (0..n).map(|v| self.pull(v, &blocks[v], step)).collect();
+        let Workspace { joints, blocks, right, .. } = workspace;
+        refill(joints, (0..n).map(|v| self.joint(v)));
+        refill(blocks, (0..n).map(|v| self.inertia(v, step.seconds)));
+        refill(right, (0..n).map(|v| self.pull(v, &blocks[v], step)));
         for (v, drag) in step.drag.iter().enumerate() {
             let force = self.drag_force(v, drag, step);
             for i in 0..3 {
@@ -373,26 +395,24 @@ impl Motion {
                 accumulate(&mut right[p], &image(&transposed(&joints[v].by_parent), &l));
             }
         }
-        Bodies { blocks, right }
     }
 
     /// Solves the equations of bodies and joints by elimination, from the tips of the tree to its
-    /// root and back. Returns the steps of bodies and the changes of multipliers; `None` if a block
-    /// is not positive definite.
-    fn solve_tree(
-        &self,
-        joints: &[Joint],
-        Bodies { mut blocks, mut right }: Bodies,
-        seconds: f64,
-    ) -> Option<[Vec<[f64; 6]>; 2]> {
+    /// root and back: computes the steps of bodies and the changes of multipliers. Returns `None`
+    /// if a block is not positive definite.
+    fn solve_tree(&self, seconds: f64, workspace: &mut Workspace) -> Option<()> {
         let n = self.rods.len();
+        let Workspace { joints, blocks, right, joint_factors, joint_right, steps, changes } =
+            workspace;
         let free = |v: usize| !self.rods.pinned[v];
         let parent = |v: usize| self.rods.parent(v).filter(|&p| free(p));
         let order = || self.rods.order.iter().map(|&v| v as usize);
         let moves = |&v: &usize| free(v) || parent(v).is_some();
-        // For every joint, the factor of its block, and its right-hand side.
-        let mut joint_factors = vec![[[0.0; 6]; 6]; n];
-        let mut joint_right = vec![[0.0; 6]; n];
+        joint_factors.resize(n, [[0.0; 6]; 6]);
+        joint_right.resize(n, [0.0; 6]);
+        // Pinned segments have no step, whatever was here before.
+        refill(steps, (0..n).map(|_| [0.0; 6]));
+        refill(changes, (0..n).map(|_| [0.0; 6]));
         for v in order().rev().filter(moves) {
             let joint = &joints[v];
             let yielded = image(&joint.compliance, &self.moving.multipliers[v]);
@@ -421,7 +441,6 @@ impl Motion {
             joint_factors[v] = factor;
             joint_right[v] = b;
         }
-        let (mut steps, mut changes) = (vec![[0.0; 6]; n], vec![[0.0; 6]; n]);
         for v in order().filter(moves) {
             let mut b = joint_right[v];
             if let Some(p) = parent(v) {
@@ -435,7 +454,7 @@ impl Motion {
                 steps[v] = solve(&blocks[v], &force);
             }
         }
-        Some([steps, changes])
+        Some(())
     }
 
     /// Returns `M / h^2` of a cylinder.
@@ -555,6 +574,12 @@ fn add_tension(body: &mut Matrix<6>, force: Vector, arm: Vector) {
             body[3 + i][3 + j] -= held * t[i] * t[j];
         }
     }
+}
+
+/// Replaces the elements of a vector, in its memory.
+fn refill<T>(vector: &mut Vec<T>, elements: impl Iterator<Item = T>) {
+    vector.clear();
+    vector.extend(elements);
 }
 
 fn plus(a: Vector, b: Vector) -> Vector {

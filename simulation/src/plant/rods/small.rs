@@ -48,17 +48,21 @@ pub(super) fn add<const N: usize>(a: &mut Matrix<N>, s: f64, b: &Matrix<N>) {
     }
 }
 
-/// Returns L of a positive definite matrix, whose lower triangle is read; `None` if the matrix is
-/// not positive definite.
-pub(super) fn cholesky<const N: usize>(a: &Matrix<N>) -> Option<Matrix<N>> {
+/// L of a positive definite matrix `L L^T`, whose diagonal is inverted: a division takes as long as
+/// a row of products.
+pub(super) type Factor<const N: usize> = Matrix<N>;
+
+/// Returns the factor of a positive definite matrix, whose lower triangle is read; `None` if the
+/// matrix is not positive definite.
+pub(super) fn cholesky<const N: usize>(a: &Matrix<N>) -> Option<Factor<N>> {
     let mut l = [[0.0; N]; N];
     for i in 0..N {
         for j in 0..=i {
             let sum = a[i][j] - (0..j).map(|k| l[i][k] * l[j][k]).sum::<f64>();
             if i > j {
-                l[i][j] = sum / l[j][j];
+                l[i][j] = sum * l[j][j];
             } else if sum > 1e-14 * a[i][i].abs() && sum.is_finite() {
-                l[i][i] = sum.sqrt();
+                l[i][i] = 1.0 / sum.sqrt();
             } else {
                 return None;
             }
@@ -68,27 +72,41 @@ pub(super) fn cholesky<const N: usize>(a: &Matrix<N>) -> Option<Matrix<N>> {
 }
 
 /// Returns `(L L^T)^-1 b`.
-pub(super) fn solve<const N: usize>(l: &Matrix<N>, b: &[f64; N]) -> [f64; N] {
+pub(super) fn solve<const N: usize>(l: &Factor<N>, b: &[f64; N]) -> [f64; N] {
     let mut x = *b;
     for i in 0..N {
         for k in 0..i {
             x[i] -= l[i][k] * x[k];
         }
-        x[i] /= l[i][i];
+        x[i] *= l[i][i];
     }
     for i in (0..N).rev() {
         for k in i + 1..N {
             x[i] -= l[k][i] * x[k];
         }
-        x[i] /= l[i][i];
+        x[i] *= l[i][i];
     }
     x
 }
 
-/// Returns `(L L^T)^-1 B`.
-pub(super) fn solve_matrix<const N: usize>(l: &Matrix<N>, b: &Matrix<N>) -> Matrix<N> {
-    let columns = transposed(b);
-    transposed(&columns.map(|column| solve(l, &column)))
+/// Returns `(L L^T)^-1 B`, row by row, so that the columns share vectors.
+pub(super) fn solve_matrix<const N: usize>(l: &Factor<N>, b: &Matrix<N>) -> Matrix<N> {
+    let mut x = *b;
+    for i in 0..N {
+        let mut row = x[i];
+        for k in 0..i {
+            (0..N).for_each(|j| row[j] -= l[i][k] * x[k][j]);
+        }
+        x[i] = row.map(|y| y * l[i][i]);
+    }
+    for i in (0..N).rev() {
+        let mut row = x[i];
+        for k in i + 1..N {
+            (0..N).for_each(|j| row[j] -= l[k][i] * x[k][j]);
+        }
+        x[i] = row.map(|y| y * l[i][i]);
+    }
+    x
 }
 
 /// Returns the inverse of a matrix; `None` for a singular one.

@@ -1,7 +1,7 @@
 use super::diffusion::WaterModel;
 use super::options::CurveOptions;
 use super::soil::Balance;
-use super::walk::Walk;
+use super::walk::{Times, Walk};
 use catamaran::base::{Error, Result, at_least_zero, check_request};
 
 /// Computes the water of every node, in kg, at each of `times` (seconds from 0, ascending), from
@@ -85,7 +85,7 @@ pub fn water_course(
     let request = format_args!("{} times of {} nodes", times.len(), water.len());
     let bytes = times.len() as f64 * size_of_val(water) as f64;
     check_request("times", request, bytes)?;
-    let mut walk = Walk::new(model, water, times, options)?;
+    let mut walk = Walk::new(model, water, Times::of(times), options)?;
     let mut course = WaterCourse { water: Vec::with_capacity(times.len()), balance: vec![] };
     for (i, &time) in times.iter().enumerate() {
         course.water.push(walk.to(time)?);

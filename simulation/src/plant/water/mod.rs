@@ -21,4 +21,4 @@ pub use eigenvalues::SpectralSolution;
 pub use options::{CurveOptions, Interval, Method};
 pub use soil::{Balance, Rewatering, Soil};
 pub use stomata::Stomata;
-pub(crate) use walk::Walk;
+pub(crate) use walk::{Times, Walk};

@@ -35,6 +35,10 @@ const ERROR: [f64; STAGES] = [-3.0 / 16.0, -27.0 / 32.0, 25.0 / 32.0, 0.0, 0.25]
 /// Tolerance of a step for the relative water content of any node.
 const TOLERANCE: f64 = 1e-9;
 
+/// The part of the water of a full plant below which the capacity of the soil does not tighten the
+/// tolerance of a step: soil that holds next to nothing would take steps without end.
+const NEGLIGIBLE: f64 = 1e-6;
+
 /// A change of an iteration after which the next, quadratically smaller change is below rounding.
 const SMALL: f64 = 1e-9;
 
@@ -71,6 +75,8 @@ pub(super) struct Sdirk {
     responses: Responses,
     /// Conductance into the root, in kg / s; 0 without soil.
     conductance: f64,
+    /// The content that an error of the soil is relative to, in kg.
+    scale: f64,
     /// Relative water content by positions.
     present: Vec<f64>,
     /// Water of the soil, in kg.
@@ -112,6 +118,9 @@ impl Sdirk {
             model: model.clone(),
             responses,
             conductance: soil.map_or(0.0, |s| s.conductance.unwrap_or(model.into_root)),
+            scale: soil
+                .map_or(0.0, |s| s.capacity)
+                .max(NEGLIGIBLE * model.full.iter().sum::<f64>()),
             present,
             content: soil.map_or(0.0, |s| s.content),
             transpired: [0.0; 2],
@@ -313,8 +322,8 @@ impl Sdirk {
         factor.solve(order, right, next, *par);
     }
 
-    /// Returns the largest error of the step in a relative water content; the matrix of the last
-    /// stage damps its stiff part.
+    /// Returns the largest error of the step in a relative water content, of plant or soil; the
+    /// matrix of the last stage damps the stiff part of the plant's.
     fn error(&mut self, h: f64) -> f64 {
         for (k, base) in self.base.iter_mut().enumerate() {
             *base = h * (0..STAGES).map(|i| ERROR[i] * self.rates[i][k]).sum::<f64>();
@@ -327,10 +336,7 @@ impl Sdirk {
         };
         factor.solve(&model.order, right, guess, *par);
         let largest = guess.iter().map(|e| e.abs()).fold(0.0, f64::max);
-        let soil = self.responses.soil.map_or(0.0, |soil| {
-            let sum: f64 = (0..STAGES).map(|i| ERROR[i] * self.soil_rates[i]).sum();
-            (h * sum / soil.capacity).abs()
-        });
-        largest.max(soil)
+        let sum: f64 = (0..STAGES).map(|i| ERROR[i] * self.soil_rates[i]).sum();
+        largest.max((h * sum / self.scale).abs())
     }
 }

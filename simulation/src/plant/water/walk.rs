@@ -9,36 +9,77 @@ use super::sdirk::{Responses, Sdirk};
 use super::soil::{Balance, Rewatering};
 use catamaran::base::{Error, Par, Result, at_least_zero, positive};
 
+/// Largest number of intervals of a cycle that a solution walks through: days and nights of 1,369
+/// years.
+const INTERVALS: f64 = 1e6;
+
+/// The times of a solution, from which its method follows.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Times {
+    count: usize,
+    last: f64,
+    /// The difference of all successive times; `None` if they differ.
+    step: Option<f64>,
+}
+
+impl Times {
+    /// The times `step`, 2 `step`, ...
+    pub fn equal(step: f64, count: usize) -> Self {
+        Self { count, last: step * count as f64, step: Some(step) }
+    }
+
+    /// These ascending times.
+    pub fn of(times: &[f64]) -> Self {
+        let last = times.last().copied().unwrap_or(0.0);
+        let step = times.get(1).map_or(last, |second| second - times[0]);
+        let equal = times.windows(2).all(|t| ((t[1] - t[0]) - step).abs() <= 1e-9 * step);
+        Self { count: times.len(), last, step: Some(step).filter(|_| equal) }
+    }
+}
+
 /// Returns the method that [`Method::Auto`] stands for.
-fn choose(model: &WaterModel, times: &[f64], cycle: &[Interval]) -> Method {
+fn choose(model: &WaterModel, times: Times, cycle: &[Interval]) -> Method {
     /// Least number of steps per time constant of the fastest rate; their error is 0.14 / 64^6 =
     /// 2e-12.
     const RESOLUTION: f64 = 64.0;
+    /// Least number of steps of BDF6 that are worth their start.
+    const STEPS: usize = 32;
     /// Largest time relative to the fastest rate: the error of eigenvalues is the rounding error of
     /// the largest one, and the result multiplies it by the time.
     const LARGEST_EXPONENT: f64 = 1e3;
     /// Largest plant for a decomposition, which costs about n^3 / 10^9 s; an evaluation of the
     /// rational approximation costs n / 10^6 s.
     const LARGEST_MATRIX: usize = 256;
-    let (Some(&first), Some(&last)) = (times.first(), times.last()) else {
-        return Method::Rational;
-    };
     let rate = model.fastest_rate_bound();
-    if !cycle.is_empty() {
+    if times.count == 0 || !cycle.is_empty() {
         return Method::Rational;
     }
     if model.len() <= LARGEST_MATRIX
-        && times.len() >= model.len()
-        && rate * last <= LARGEST_EXPONENT
+        && times.count >= model.len()
+        && rate * times.last <= LARGEST_EXPONENT
     {
         return Method::Spectral;
     }
-    let step = times.get(1).map_or(last, |second| second - first);
-    let equal = times.windows(2).all(|t| ((t[1] - t[0]) - step).abs() <= 1e-9 * step);
-    if equal && times.len() >= 32 && rate * step * RESOLUTION <= 1.0 {
-        return Method::Bdf6 { step };
+    match times.step {
+        Some(step) if times.count >= STEPS && rate * step * RESOLUTION <= 1.0 => {
+            Method::Bdf6 { step }
+        }
+        _ => Method::Rational,
     }
-    Method::Rational
+}
+
+/// Returns an error if a solution up to `last` would walk through too many intervals of a cycle.
+fn check_intervals(cycle: &[Interval], last: f64) -> Result<()> {
+    let period: f64 = cycle.iter().map(|interval| interval.seconds).sum();
+    let intervals = (last / period * cycle.len() as f64).ceil();
+    if intervals <= INTERVALS || cycle.is_empty() {
+        return Ok(());
+    }
+    let why = format!(
+        "has {intervals:.3e} intervals in {last:.3e} s, and each is a step; must have at most \
+         {INTERVALS:e}"
+    );
+    Err(Error::Argument { what: "cycle", why })
 }
 
 enum Solver {
@@ -77,13 +118,14 @@ impl<'a> Walk<'a> {
     pub fn new(
         model: &WaterModel,
         water: &[f64],
-        times: &[f64],
+        times: Times,
         options: &'a CurveOptions<'_>,
     ) -> Result<Self> {
         for interval in &options.cycle {
             positive("seconds of an interval", interval.seconds)?;
             at_least_zero("loss of an interval", interval.loss)?;
         }
+        check_intervals(&options.cycle, times.last)?;
         let rewatering = rewatering(options)?;
         let mut model = model.clone();
         let present = model.relative_by_positions(water)?;
@@ -281,15 +323,20 @@ mod tests {
             ..Default::default()
         };
         let times: Vec<f64> = (1..=100).map(f64::from).collect();
+        let few = Times::of(&times[..20]);
+        let uneven = Times::of(&[&times[..], &[100.5]].concat());
+        let times = Times::of(&times);
         let small = WaterModel::new(&chain(50, 0.5, 1e-3).unwrap(), &slow).unwrap();
-        assert_eq!(choose(&small, &times, &[]), Method::Spectral);
+        assert_eq!(choose(&small, times, &[]), Method::Spectral);
         let plant = grow(&GrowthOptions { nodes: 300, ..Default::default() }).unwrap();
         let slow = WaterModel::new(&plant, &slow).unwrap();
-        assert_eq!(choose(&slow, &times, &[]), Method::Bdf6 { step: 1.0 });
-        assert_eq!(choose(&slow, &times[..20], &[]), Method::Rational);
+        assert_eq!(choose(&slow, times, &[]), Method::Bdf6 { step: 1.0 });
+        assert_eq!(choose(&slow, Times::equal(1.0, 100), &[]), Method::Bdf6 { step: 1.0 });
+        assert_eq!(choose(&slow, uneven, &[]), Method::Rational);
+        assert_eq!(choose(&slow, few, &[]), Method::Rational);
         let stiff = WaterModel::new(&plant, &WaterOptions::default()).unwrap();
-        assert_eq!(choose(&stiff, &times, &[]), Method::Rational);
+        assert_eq!(choose(&stiff, times, &[]), Method::Rational);
         let day = Interval { seconds: 10.0, loss: 0.0 };
-        assert_eq!(choose(&small, &times, &[day]), Method::Rational);
+        assert_eq!(choose(&small, times, &[day]), Method::Rational);
     }
 }

@@ -286,3 +286,22 @@ fn a_plant_that_is_watered_rises_again() {
     }
     assert!((film.balance[12].supplied / found.balance[12].supplied - 1.0).abs() < 1e-6);
 }
+
+#[test]
+fn soil_that_holds_next_to_nothing_takes_few_steps_and_is_as_none() {
+    let model = grown(300, 150.0);
+    let times = hours(4, 12.0);
+    let curve = |soil: Option<Soil>| {
+        let options = CurveOptions::new().soil(soil).par(Par::Seq);
+        water_course(&model, &model.full(), &times, &options).unwrap()
+    };
+    let none = curve(None);
+    for capacity in [1e-12, 1e-15, 1e-303] {
+        let course = curve(Some(Soil::new(capacity)));
+        for ((water, bare), balance) in course.water.iter().zip(&none.water).zip(&course.balance) {
+            let apart = gap(&model, water, bare);
+            assert!(apart < 1e-7, "{capacity}: {apart}");
+            assert!(balance.soil.abs() <= capacity, "{capacity}: {balance:?}");
+        }
+    }
+}

@@ -202,6 +202,10 @@ fn arguments_out_of_range_are_named() {
     says(model.water_after(&[1.0; 3], -1.0, Par::Seq).unwrap_err(), "seconds");
     let times = [2.0, 1.0];
     says(water_curve(&model, &[1.0; 3], &times, &CurveOptions::default()).unwrap_err(), "ascend");
+    // Days and nights of 114,000 years.
+    let options = CurveOptions::new().cycle(Interval::day_and_night(1e-5));
+    let refused = water_curve(&model, &[1.0; 3], &[0.0, 3.6e12], &options).unwrap_err();
+    says(refused, "cycle: has 8.333e7 intervals in 3.600e12 s, and each is a step; must have at");
     let cancel = |_: f64| ControlFlow::Break(());
     let options = CurveOptions::new().progress(&cancel);
     says(water_curve(&model, &[1.0; 3], &[1.0], &options).unwrap_err(), "cancelled");
