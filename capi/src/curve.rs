@@ -248,11 +248,11 @@ pub unsafe extern "C" fn cata_curve_solver_find(
     boundary(|| {
         // SAFETY: clause `memory` (`samples`, `count` elements; `curves`, one value), clause
         // `handles` (`solver`).
-        let (known, samples, curves) = unsafe {
-            let known = known_mut("solver", solver)?;
-            (known, slice("samples", samples, count)?, output("curves", curves)?)
+        let (own, samples, curves) = unsafe {
+            let own = known_mut("solver", solver)?;
+            (own, slice("samples", samples, count)?, output("curves", curves)?)
         };
-        let (solver, number) = (&mut known.solver, known.number);
+        let (solver, number) = (&mut own.solver, own.number);
         let work = |params: &cata_curve_params, progress: Progress<'_>| {
             let smooth = flag("params.smooth", params.smooth)?;
             let mut found = solver.reconstruct(samples, &options(params)?.progress(progress))?;

@@ -124,7 +124,7 @@ pub fn draw<'py>(
             drawing.smooth()?;
         }
         let drawn = drawing.inscribe()?;
-        let layer = |(own, curves): (&Reconstruction, Vec<Curve>)| {
+        let layer = |(own, curves): (&Reconstruction, Vec<Curve>)| -> catamaran::Result<_> {
             let on_faces = places(&curves, &drawn.refined, &mesh)?;
             Ok((Reconstruction { curves, ..own.clone() }, on_faces))
         };

@@ -93,7 +93,7 @@ pub fn refined(mesh: &TriMesh, steiner: &[[u32; 2]]) -> Result<TriMesh> {
 /// use catamaran_geometry::{curve::with_steiner, mesh::families};
 ///
 /// let found = with_steiner(&families::grid(1, 1)?, &[[0, 1]])?;
-/// assert_eq!((found.vertices[4].vertices[..2].to_vec(), found.faces.len()), (vec![0, 1], 3));
+/// assert_eq!((found.vertices[4].weights, found.faces.len()), ([0.5, 0.5, 0.0], 3));
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 ///
