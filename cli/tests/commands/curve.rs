@@ -89,7 +89,7 @@ fn outliers_are_dropped_on_request_and_named() {
     // Around the outer equator, and a vertex of the inner one.
     let ring: Vec<String> = (0..20).map(|i| format!("{}\n", 40 * ((7 * i) % 20))).collect();
     let (first, rest) = ring.split_at(9);
-    let with_stray = [first, &["210\n".into()], rest].concat().concat();
+    let with_stray = [first, &["210\n".to_owned()], rest].concat().concat();
     let folder = folder(&families::torus(40, 20, 2.0, 0.8).unwrap(), &ring.concat());
     folder.write("strayed.txt", &format!("curve a\n{}curve b\n{with_stray}", ring.concat()));
     folder.succeed("curve mesh.obj --samples samples.txt -o alone.json");
