@@ -56,9 +56,8 @@ fn found(
     let mut entries = Vec::new();
     for (curve, places) in all.curves.into_iter().zip(on_faces) {
         let entry = PyDict::new(py);
-        let faces: Vec<u32> = places.iter().map(|at| at.face).collect();
         let weights: Vec<[f64; 3]> = places.iter().map(|at| at.weights).collect();
-        entry.set_item("faces", numbers(py, faces))?;
+        entry.set_item("faces", numbers(py, places.iter().map(|at| at.face)))?;
         entry.set_item("barycentric", from_rows(py, weights)?)?;
         entry.set_item("order", numbers(py, curve.order))?;
         entry.set_item("path", numbers(py, curve.path))?;
