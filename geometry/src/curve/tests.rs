@@ -162,10 +162,10 @@ fn samples_on_components_with_fewer_than_three_are_left_out_and_others_get_their
 /// which are beside each other.
 fn with_strays() -> (TriMesh, Vec<u32>, Vec<u32>) {
     let mesh = families::torus(60, 30, 2.0, 0.8).unwrap();
-    let around: Vec<u32> = (0..20).map(|i| 90 * ((7 * i) % 20)).collect();
+    let around: Vec<u32> = (0..60).map(|i| 30 * ((7 * i) % 60)).collect();
     let mut all = around.clone();
-    // Vertices 30 i + j lie around the tube at i: 15 is the inner equator.
-    for (place, stray) in [(3, 30 * 10 + 15), (8, 30 * 35 + 12), (15, 1514), (16, 1513)] {
+    // Vertices 30 i + j lie around the tube at i: a quarter above and below.
+    for (place, stray) in [(3, 308), (8, 922), (15, 1508), (16, 1509)] {
         all.insert(place, stray);
     }
     (mesh, around, all)
@@ -190,7 +190,7 @@ fn without_its_outliers_a_curve_is_that_of_the_other_samples() {
     assert_eq!(result.length().to_bits(), alone.length().to_bits());
     // The strays make the curve longer where they stay, and no sample of the curve is dropped.
     let spiky = found(&mesh, &all, &robust());
-    assert!(spiky.outliers.is_empty() && spiky.length() > 1.5 * alone.length());
+    assert!(spiky.outliers.is_empty() && spiky.length() > 1.3 * alone.length());
     assert_eq!(found(&mesh, &around, &drop), alone);
 }
 
