@@ -198,6 +198,8 @@ absent! { "chapters":
     fn cata_curves_outcome(curves: *const c_void, outcome: *mut i32, count: *mut usize, left_out: *mut usize) -> cata_status;
     fn cata_curves_size(curves: *const c_void, curve: usize, n_samples: *mut usize, n_vertices: *mut usize, n_points: *mut usize, length: *mut f64) -> cata_status;
     fn cata_curves_get(curves: *const c_void, curve: usize, order: *mut u32, path: *mut u32, points: *mut f64) -> cata_status;
+    fn cata_curves_places(curves: *const c_void, solver: *const c_void, curve: usize, faces: *mut u32, weights: *mut f64) -> cata_status;
+    fn cata_curves_outliers(curves: *const c_void, count: *mut usize, samples: *mut u32) -> cata_status;
     fn cata_curves_left_out(curves: *const c_void, samples: *mut u32) -> cata_status;
     fn cata_drawing_new(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, drawing: *mut *mut c_void) -> cata_status;
     fn cata_drawing_free(drawing: *mut c_void);

@@ -17,18 +17,23 @@
 //! ```
 
 use std::ffi::c_void;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::boundary::boundary;
 use super::outputs::{copy, copy_wanted, element, tell};
 use super::params::{flag, init, or_default, params, with_params};
-use super::pointer::{free, hand_over, known, known_mut, mesh, output, slice, slice_mut};
+use super::pointer::{
+    free, hand_over, known, known_mut, mesh, optional_output, output, put, slice, slice_mut,
+};
 use super::progress::cata_progress;
-use super::status::{Failure, cata_status};
+use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use catamaran::base::{Error, Progress};
 use catamaran_geometry::curve::{
     Count, Curve, CurveOptions, CurveSolver, Mode, Outcome, Placement, Reconstruction, Site, place,
+    places, with_steiner,
 };
-use catamaran_geometry::mesh::SurfacePoint;
+use catamaran_geometry::mesh::{Refined, SurfacePoint, TriMesh};
 
 /// `outcome`: the curve is closed, or all curves are.
 pub const CATA_CURVE_CLOSED: i32 = 0;
@@ -77,6 +82,12 @@ pub struct cata_curve_params {
     pub points: i32,
     /// 1: curves are shortened to geodesics between their samples. 0: they are along edges.
     pub smooth: i32,
+    /// 0.
+    pub reserved: i32,
+    /// 1: outliers are dropped: one or two successive samples to which the curve makes a detour
+    /// of more than three times the median distance between successive samples (at the ends of an
+    /// open curve, six times). At least half of the samples stay. Not with `faithful` 1.
+    pub drop_outliers: i32,
 }
 
 params!(cata_curve_params, smooth: i32);
@@ -84,11 +95,36 @@ params!(cata_curve_params, smooth: i32);
 /// A mesh, prepared for the search for curves. Made by cata_curve_solver_new.
 pub struct cata_curve_solver {
     solver: CurveSolver<'static>,
+    /// The mesh of the caller and its refinement to the mesh of the solver, if places cut it.
+    input: Option<(TriMesh, Refined)>,
+    /// A number that no other solver of the process has.
+    number: u64,
+}
+
+impl cata_curve_solver {
+    fn new(mesh: TriMesh, input: Option<(TriMesh, Refined)>) -> Result<Self, Error> {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        let number = NEXT.fetch_add(1, Ordering::Relaxed);
+        Ok(Self { solver: CurveSolver::owning(mesh)?, input, number })
+    }
+
+    /// Returns where the points of all curves are on the mesh of the caller.
+    fn places(&self, found: &Reconstruction) -> Result<Vec<Vec<SurfacePoint>>, Error> {
+        let finer = with_steiner(self.solver.mesh(), &found.steiner)?;
+        match &self.input {
+            Some((mesh, refined)) => places(&found.curves, &refined.then(finer), mesh),
+            None => places(&found.curves, &finer, self.solver.mesh()),
+        }
+    }
 }
 
 /// Curves that were found. Made by cata_curve_solver_find; constant.
 pub struct cata_curves {
     found: Reconstruction,
+    /// The number of the solver that found them.
+    solver: u64,
+    /// The points of all curves on the mesh of the caller, once asked for.
+    places: OnceLock<Vec<Vec<SurfacePoint>>>,
 }
 
 /// Fills a struct with the defaults.
@@ -121,8 +157,7 @@ pub unsafe extern "C" fn cata_curve_solver_new(
         // value).
         let (mesh, place) =
             unsafe { (mesh(n_vertices, vertices, n_faces, faces)?, output("solver", solver)?) };
-        let solver = CurveSolver::owning(mesh)?;
-        hand_over(place, cata_curve_solver { solver });
+        hand_over(place, cata_curve_solver::new(mesh, None)?);
         Ok(())
     })
 }
@@ -174,9 +209,12 @@ pub unsafe extern "C" fn cata_curve_solver_new_at(
             Error::Argument { what: "sites", why } => Error::Argument { what: "places", why },
             error => error,
         })?;
-        let solver = CurveSolver::owning(placed.mesh.map_or(mesh, |refined| refined.mesh))?;
+        let solver = match placed.mesh {
+            Some(refined) => cata_curve_solver::new(refined.mesh.clone(), Some((mesh, refined)))?,
+            None => cata_curve_solver::new(mesh, None)?,
+        };
         samples.copy_from_slice(&placed.vertices);
-        hand_over(to, cata_curve_solver { solver });
+        hand_over(to, solver);
         Ok(())
     })
 }
@@ -210,10 +248,11 @@ pub unsafe extern "C" fn cata_curve_solver_find(
     boundary(|| {
         // SAFETY: clause `memory` (`samples`, `count` elements; `curves`, one value), clause
         // `handles` (`solver`).
-        let (solver, samples, curves) = unsafe {
-            let solver = &mut known_mut("solver", solver)?.solver;
-            (solver, slice("samples", samples, count)?, output("curves", curves)?)
+        let (own, samples, curves) = unsafe {
+            let own = known_mut("solver", solver)?;
+            (own, slice("samples", samples, count)?, output("curves", curves)?)
         };
+        let (solver, number) = (&mut own.solver, own.number);
         let work = |params: &cata_curve_params, progress: Progress<'_>| {
             let smooth = flag("params.smooth", params.smooth)?;
             let mut found = solver.reconstruct(samples, &options(params)?.progress(progress))?;
@@ -224,7 +263,7 @@ pub unsafe extern "C" fn cata_curve_solver_find(
         };
         // SAFETY: clause `structs` (`params`).
         let found = unsafe { with_params(params, work) }?;
-        hand_over(curves, cata_curves { found });
+        hand_over(curves, cata_curves { found, solver: number, places: OnceLock::new() });
         Ok(())
     })
 }
@@ -244,6 +283,7 @@ pub(super) fn options(params: &cata_curve_params) -> Result<CurveOptions<'static
                 return Err(Failure::argument("params.points", any, other));
             }
         })
+        .drop_outliers(flag("params.drop_outliers", params.drop_outliers)?)
         .start(params.start)
         .candidates(or_default(params.candidates, default.candidates)))
 }
@@ -350,7 +390,81 @@ pub unsafe extern "C" fn cata_curves_get(
     })
 }
 
-/// Gets the numbers of the samples that no curve is through; cata_curves_outcome counts them.
+/// Gets where the points of a curve are on the mesh that the solver was created for. NULL where
+/// not wanted. The first call takes time in proportion to the size of the mesh.
+///
+/// - `solver`: the solver that found the curves.
+/// - `faces`: n_points elements, written: a face of the mesh, as it was given, for each point.
+/// - `weights`: 3 n_points elements, written: barycentric coordinates in that face.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_curves_places(
+    curves: *const cata_curves,
+    solver: *const cata_curve_solver,
+    curve: usize,
+    faces: *mut u32,
+    weights: *mut f64,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: clause `memory` (`faces`, one element for each point of the curve; `weights`,
+        // three), clause `handles` (`curves`, `solver`).
+        unsafe {
+            let (curves, solver) = (known("curves", curves)?, known("solver", solver)?);
+            if curves.solver != solver.number {
+                let why = "solver: must be the one that found the curves";
+                return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+            }
+            let places = match curves.places.get() {
+                Some(places) => places,
+                None => {
+                    let found = solver.places(&curves.found)?;
+                    curves.places.get_or_init(|| found)
+                }
+            };
+            let places = element("curve", places, "curves", curve)?;
+            let of: Vec<u32> = places.iter().map(|place| place.face).collect();
+            let shares: Vec<[f64; 3]> = places.iter().map(|place| place.weights).collect();
+            copy_wanted! {
+                faces: &of,
+                weights: shares.as_flattened(),
+            }
+        }
+        Ok(())
+    })
+}
+
+/// Gets the number of samples that were dropped as outliers, and their numbers, ascending. NULL
+/// where not wanted.
+///
+/// - `samples`: as many elements as `count` tells, written.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_curves_outliers(
+    curves: *const cata_curves,
+    count: *mut usize,
+    samples: *mut u32,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: clause `memory` (`count`, one value; `samples`, one element for each), clause
+        // `handles` (`curves`).
+        unsafe {
+            let outliers = &known("curves", curves)?.found.outliers;
+            let count = optional_output("count", count)?;
+            copy_wanted! {
+                samples: outliers,
+            }
+            put(count, outliers.len());
+        }
+        Ok(())
+    })
+}
+
+/// Gets the numbers of the samples that no curve is through because their components of the
+/// mesh have fewer than three; cata_curves_outcome counts them.
 ///
 /// # Safety
 /// The pointers are as described.

@@ -35,6 +35,10 @@ struct curve_options {
     bool vertices_alone = false;
     /// Whether curves are shortened to geodesics between their samples.
     bool smooth = false;
+    /// Whether outliers are dropped: one or two successive samples to which the curve makes a
+    /// detour of more than three times the median distance between successive samples. Not with
+    /// faithful.
+    bool drop_outliers = false;
     /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
 };
@@ -48,6 +52,10 @@ struct curve {
     std::vector<std::uint32_t> path;
     /// Points of the curve: those of path, unless the curve is smooth.
     point_list points;
+    /// For each point, a face of the mesh, as the solver was given it.
+    std::vector<std::uint32_t> faces;
+    /// The barycentric coordinates of each point in its face.
+    point_list weights;
     /// Length of the curve, in the unit of the mesh.
     double length = 0.0;
 };
@@ -58,8 +66,11 @@ struct found_curves {
     curve_outcome outcome = curve_outcome::closed;
     /// Curves that were found; some may be missing if the search failed.
     std::vector<curve> curves;
-    /// Numbers of the samples that no curve passes.
+    /// Numbers of the samples that no curve passes, because their components of the mesh have fewer
+    /// than three.
     std::vector<std::uint32_t> left_out;
+    /// Numbers of the samples that were dropped as outliers.
+    std::vector<std::uint32_t> outliers;
 };
 
 /// A place for a sample: on a face, by barycentric coordinates, or the vertex nearest to a point.
@@ -84,6 +95,7 @@ public:
         params_.single = how.single ? 1 : 0;
         params_.points = how.vertices_alone ? CATA_CURVE_VERTICES : CATA_CURVE_STEINER;
         params_.smooth = how.smooth ? 1 : 0;
+        params_.drop_outliers = how.drop_outliers ? 1 : 0;
         watcher_.attach(params_);
     }
 
@@ -146,15 +158,18 @@ private:
         }
     };
 
-    static found_curves copied(const cata_curves* curves) {
+    found_curves copied(const cata_curves* curves) const {
         found_curves found;
         std::int32_t outcome = 0;
-        std::size_t count = 0, left_out = 0;
+        std::size_t count = 0, left_out = 0, outliers = 0;
         detail::check(cata_curves_outcome(curves, &outcome, &count, &left_out));
         found.outcome = static_cast<curve_outcome>(outcome);
         found.curves.resize(count);
         found.left_out.resize(left_out);
         detail::check(cata_curves_left_out(curves, found.left_out.data()));
+        detail::check(cata_curves_outliers(curves, &outliers, nullptr));
+        found.outliers.resize(outliers);
+        detail::check(cata_curves_outliers(curves, nullptr, found.outliers.data()));
         for (std::size_t i = 0; i < count; ++i) {
             curve& one = found.curves[i];
             std::size_t samples = 0, vertices = 0, points = 0;
@@ -164,6 +179,10 @@ private:
             one.points.resize(points);
             detail::check(cata_curves_get(curves, i, one.order.data(), one.path.data(),
                                           detail::first_of(one.points)));
+            one.faces.resize(points);
+            one.weights.resize(points);
+            detail::check(cata_curves_places(curves, handle_.get(), i, one.faces.data(),
+                                             detail::first_of(one.weights)));
         }
         return found;
     }

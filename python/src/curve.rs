@@ -2,8 +2,8 @@
 
 use catamaran::Error;
 use catamaran_geometry::curve::{
-    Count, Curve, CurveOptions, CurveSolver, Drawing, Mode, Outcome, Placement, Site,
-    place as placed,
+    Count, Curve, CurveOptions, CurveSolver, Drawing, Mode, Placement, Reconstruction, Site,
+    place as placed, places, with_steiner,
 };
 use catamaran_geometry::mesh::{Refined, SurfacePoint};
 use pyo3::prelude::*;
@@ -22,6 +22,7 @@ arguments! {
         open: bool,
         single: bool,
         steiner: bool,
+        drop_outliers: bool,
         candidates: usize,
         start: usize,
     }
@@ -35,23 +36,29 @@ impl How {
             .open(self.open)
             .count(if self.single { Count::One } else { Count::Automatic })
             .steiner(self.steiner)
+            .drop_outliers(self.drop_outliers)
             .candidates(self.candidates)
             .start(self.start))
     }
 }
 
-/// The outcome, whether it is complete, the curves as dictionaries, the samples that are left out.
-type Found<'py> = (String, bool, Vec<Bound<'py, PyDict>>, Bound<'py, PyAny>);
+/// The outcome, whether it is complete, the curves as dictionaries, the samples that are left out,
+/// and the outliers.
+type Found<'py> = (String, bool, Vec<Bound<'py, PyDict>>, Bound<'py, PyAny>, Bound<'py, PyAny>);
 
+/// Returns what was found as Python takes it; `on_faces` has the places of the points of each curve
+/// on the mesh of the caller.
 fn found(
     py: Python<'_>,
-    outcome: Outcome,
-    curves: Vec<Curve>,
-    left_out: Vec<u32>,
+    all: Reconstruction,
+    on_faces: Vec<Vec<SurfacePoint>>,
 ) -> PyResult<Found<'_>> {
     let mut entries = Vec::new();
-    for curve in curves {
+    for (curve, places) in all.curves.into_iter().zip(on_faces) {
         let entry = PyDict::new(py);
+        let weights: Vec<[f64; 3]> = places.iter().map(|at| at.weights).collect();
+        entry.set_item("faces", numbers(py, places.iter().map(|at| at.face)))?;
+        entry.set_item("barycentric", from_rows(py, weights)?)?;
         entry.set_item("order", numbers(py, curve.order))?;
         entry.set_item("path", numbers(py, curve.path))?;
         entry.set_item("points", from_rows(py, curve.points)?)?;
@@ -59,7 +66,8 @@ fn found(
         entry.set_item("length", curve.length)?;
         entries.push(entry);
     }
-    Ok((outcome.to_string(), outcome.is_complete(), entries, numbers(py, left_out)))
+    let (left_out, outliers) = (numbers(py, all.left_out), numbers(py, all.outliers));
+    Ok((all.outcome.to_string(), all.outcome.is_complete(), entries, left_out, outliers))
 }
 
 /// See `catamaran.curve`.
@@ -76,15 +84,16 @@ pub fn curve<'py>(
 ) -> PyResult<Found<'py>> {
     let options = how.options()?;
     let (mesh, samples) = (mesh(v, f)?, vertices("samples", samples)?);
-    let all = run(py, Length::Long, progress, move |progress| {
+    let (all, on_faces) = run(py, Length::Long, progress, move |progress| {
         let options = options.progress(progress);
         let mut all = CurveSolver::new(&mesh)?.reconstruct(&samples, &options)?;
         if smooth {
             all.smooth(&mesh, &samples)?;
         }
-        Ok(all)
+        let on_faces = places(&all.curves, &with_steiner(&mesh, &all.steiner)?, &mesh)?;
+        Ok((all, on_faces))
     })?;
-    found(py, all.outcome, all.curves, all.left_out)
+    found(py, all, on_faces)
 }
 
 /// A mesh with curves along its edges, and what was found of each layer; see `catamaran.draw`.
@@ -104,8 +113,8 @@ pub fn draw<'py>(
     let layers: Vec<(Vec<u32>, CurveOptions<'static>)> =
         layers.iter().map(layer).collect::<PyResult<_>>()?;
     let mesh = mesh(v, f)?;
-    let (drawn, outcomes) = run(py, Length::Long, progress, move |progress| {
-        let mut drawing = Drawing::new(mesh)?;
+    let (finer, layers) = run(py, Length::Long, progress, move |progress| {
+        let mut drawing = Drawing::new(mesh.clone())?;
         let share = 1.0 / layers.len() as f64;
         for (i, (samples, options)) in layers.into_iter().enumerate() {
             let part = progress.part(i as f64 * share..(i + 1) as f64 * share);
@@ -114,13 +123,17 @@ pub fn draw<'py>(
         if smooth {
             drawing.smooth()?;
         }
-        let outcomes = drawing.found().map(|found| (found.outcome, found.left_out.clone()));
-        let outcomes: Vec<(Outcome, Vec<u32>)> = outcomes.collect();
-        Ok((drawing.inscribe()?, outcomes))
+        let drawn = drawing.inscribe()?;
+        let layer = |(own, curves): (&Reconstruction, Vec<Curve>)| -> catamaran::Result<_> {
+            let on_faces = places(&curves, &drawn.refined, &mesh)?;
+            Ok((Reconstruction { curves, ..own.clone() }, on_faces))
+        };
+        let layers = drawing.found().zip(drawn.layers).map(layer);
+        let layers = layers.collect::<catamaran::Result<Vec<_>>>()?;
+        Ok((drawn.refined, layers))
     })?;
-    let layers = drawn.layers.into_iter().zip(outcomes);
-    let layers = layers.map(|(curves, (outcome, left_out))| found(py, outcome, curves, left_out));
-    Ok((refined(py, drawn.refined)?, layers.collect::<PyResult<_>>()?))
+    let layers = layers.into_iter().map(|(all, on_faces)| found(py, all, on_faces));
+    Ok((refined(py, finer)?, layers.collect::<PyResult<_>>()?))
 }
 
 /// Points of faces as vertices of a mesh, which is finer where they are inserted; see
@@ -145,12 +158,12 @@ pub fn place<'py>(
     let points = points.map(|(face, weights)| Site::Face(SurfacePoint { face, weights }));
     let sites: Vec<Site> = points.collect();
     let placement = if insert { Placement::Insert } else { Placement::Snap };
-    let (finer, places) = run(py, Length::Long, None, move |_| {
+    let (finer, vertices) = run(py, Length::Long, None, move |_| {
         let found = placed(&mesh, &sites, placement).map_err(|error| match error {
             Error::Argument { what: "sites", why } => Error::Argument { what: "faces", why },
             error => error,
         })?;
         Ok((found.mesh.unwrap_or_else(|| Refined::new(mesh)), found.vertices))
     })?;
-    Ok((refined(py, finer)?, numbers(py, places)))
+    Ok((refined(py, finer)?, numbers(py, vertices)))
 }

@@ -54,6 +54,36 @@ def test_curves_are_closed_and_smooth_ones_shorter():
         catamaran.curve(v, f, [0, 10**6, 3])
 
 
+def test_points_of_curves_are_on_faces_of_the_mesh_that_was_given():
+    v, f = shapes.torus(40, 20)
+    samples = [0, 405, 210, 600, 113, 700]
+    curves = catamaran.curve(v, f, samples, smooth=True).curves
+    drawn = catamaran.draw((v, f), [(samples, {}), ([3, 205, 611], {})], smooth=True)
+    for layer in drawn.layers:
+        curves = curves + layer.curves
+    for one in curves:
+        where = (one.barycentric[:, :, None] * v[f[one.faces]]).sum(axis=1)
+        assert np.allclose(where, one.points, atol=1e-12)
+        assert (one.barycentric >= 0).all()
+        # Some points are on edges.
+        assert (one.barycentric.max(axis=1) < 0.999).any()
+
+
+def test_outliers_are_dropped_on_request():
+    v, f = shapes.torus(40, 20)
+    ring = [40 * ((7 * i) % 20) for i in range(20)]
+    # A vertex of the inner equator.
+    stray = ring[:9] + [210] + ring[9:]
+    alone = catamaran.curve(v, f, ring, drop_outliers=True)
+    found = catamaran.curve(v, f, stray, drop_outliers=True)
+    assert len(alone.outliers) == 0 and list(found.outliers) == [9] and found.complete
+    assert np.array_equal(found.curves[0].path, alone.curves[0].path)
+    layers = catamaran.draw((v, f), [(stray, {"drop_outliers": True}), (stray, {})]).layers
+    assert [len(layer.outliers) for layer in layers] == [1, 0]
+    with pytest.raises(ValueError, match="drop_outliers"):
+        catamaran.curve(v, f, stray, drop_outliers=True, mode="faithful")
+
+
 def test_signatures_know_poses():
     one, bent, other = shapes.figure(16), shapes.figure(16, 0.6), shapes.torus()
     dna = [catamaran.shape_dna(*mesh, 10) for mesh in (one, bent, other)]

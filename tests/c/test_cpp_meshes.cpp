@@ -106,6 +106,26 @@ void curves() {
     near.weights = {{-2, 0, 0}};
     const catamaran::curve_solver refined(mesh, {inside, near});
     CHECK((refined.samples() == std::vector<std::uint32_t>{6, 1}));
+
+    // The points of a curve are on faces of the mesh before the site cut one of them.
+    catamaran::curve_solver cut(mesh, {inside, near});
+    how = {};
+    how.smooth = true;
+    const auto found = cut.find({6, 1, 3}, how);
+    for (const catamaran::curve& one : found.curves) {
+        CHECK(one.points.size() >= 3 && one.faces.size() == one.points.size());
+        for (std::size_t i = 0; i < one.points.size(); ++i) {
+            const auto& face = octants.at(one.faces[i]);
+            for (std::size_t k = 0; k < 3; ++k) {
+                double at = -one.points[i][k];
+                for (std::size_t j = 0; j < 3; ++j) {
+                    at += one.weights[i][j] * octahedron[face[j]][k];
+                }
+                CHECK(std::abs(at) < 1e-12);
+            }
+        }
+    }
+    CHECK(!found.curves.empty() && found.outliers.empty());
 }
 
 // Rows of (1, t, 2 + 3 t) in two blocks.

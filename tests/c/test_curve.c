@@ -71,6 +71,65 @@ static void test_square(void)
     }
 }
 
+/* Points of a curve are on faces of the mesh that was given, without what was inserted. */
+static void check_places(const cata_curve_solver *from, const cata_curves *curves)
+{
+    size_t n_points = 0;
+    double points[3 * 64], weights[3 * 64];
+    uint32_t on[64];
+    CHECK_STATUS(cata_curves_size(curves, 0, NULL, NULL, &n_points, NULL), CATA_OK);
+    CHECK(n_points > 3 && n_points <= 64);
+    CHECK_STATUS(cata_curves_get(curves, 0, NULL, NULL, points), CATA_OK);
+    CHECK_STATUS(cata_curves_places(curves, from, 0, on, weights), CATA_OK);
+    for (size_t i = 0; i < n_points; i++) {
+        CHECK(on[i] < FACES);
+        for (int k = 0; k < 3; k++) {
+            double at = 0;
+            for (int j = 0; j < 3; j++) {
+                at += weights[3 * i + j] * vertices[3 * faces[3 * on[i] + j] + k];
+            }
+            CHECK(fabs(at - points[3 * i + k]) < 1e-12);
+        }
+    }
+    CHECK_STATUS(cata_curves_places(curves, from, 1, on, weights), CATA_ERR_ARGUMENT);
+}
+
+/* Samples around the border of the grid, 1 apart, and a stray in its middle. */
+static void test_outliers(void)
+{
+    uint32_t samples[4 * N + 1];
+    size_t n = 0;
+    for (int i = 0; i < N; i++) {
+        samples[n++] = at(i, 0);
+        samples[n++] = at(N, i);
+        samples[n++] = at(N - i, N);
+        samples[n++] = at(0, N - i);
+    }
+    samples[n++] = at(3, 3);
+    cata_curve_params params;
+    CHECK_STATUS(cata_curve_params_init(&params, sizeof params), CATA_OK);
+    for (int drop = 0; drop < 2; drop++) {
+        cata_curves *curves = NULL;
+        size_t count = 7;
+        uint32_t which[1] = {7};
+        double length = 0;
+        params.drop_outliers = drop;
+        CHECK_STATUS(find(n, samples, &params, &curves), CATA_OK);
+        CHECK_STATUS(cata_curves_outliers(curves, &count, NULL), CATA_OK);
+        CHECK(count == (size_t)drop);
+        CHECK_STATUS(cata_curves_outliers(curves, NULL, which), CATA_OK);
+        CHECK(which[0] == (uint32_t)(drop ? 4 * N : 7));
+        CHECK_STATUS(cata_curves_size(curves, 0, NULL, NULL, NULL, &length), CATA_OK);
+        CHECK(drop ? length == 4 * N : length > 4 * N);
+        cata_curves_free(curves);
+    }
+    cata_curves *none = NULL;
+    params.faithful = 1;
+    CHECK_STATUS(find(n, samples, &params, &none), CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("drop_outliers");
+    CHECK(none == NULL);
+}
+
 /* A triangle in the plane, whose sides do not follow edges; samples on faces and in space. */
 static void test_smooth_and_sites(void)
 {
@@ -81,6 +140,7 @@ static void test_smooth_and_sites(void)
     size_t n_points = 0;
     CHECK_STATUS(find(3, corners, &params, &curves), CATA_OK);
     CHECK_STATUS(cata_curves_size(curves, 0, NULL, NULL, &n_points, &length), CATA_OK);
+    check_places(solver, curves);
     CHECK(n_points > 3 && fabs(length - (2 * sqrt(17.0) + sqrt(18.0))) < 1e-9);
     cata_curves_free(curves);
 
@@ -92,7 +152,10 @@ static void test_smooth_and_sites(void)
                                           samples, &refined),
                  CATA_OK);
     CHECK(samples[0] == VERTICES && samples[1] == at(5, 2) && samples[2] == at(2, 5));
-    CHECK_STATUS(cata_curve_solver_find(refined, 3, samples, NULL, &curves), CATA_OK);
+    CHECK_STATUS(cata_curve_solver_find(refined, 3, samples, &params, &curves), CATA_OK);
+    check_places(refined, curves);
+    CHECK_STATUS(cata_curves_places(curves, solver, 0, NULL, NULL), CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("solver: must be the one that found the curves");
     cata_curves_free(curves);
     cata_curve_solver_free(refined);
     refined = NULL;
@@ -165,6 +228,7 @@ int main(void)
     CHECK_STATUS(cata_curve_solver_new(VERTICES, vertices, FACES, faces, &solver), CATA_OK);
     test_square();
     test_smooth_and_sites();
+    test_outliers();
     test_refusals();
     cata_curve_solver_free(solver);
     cata_curve_solver_free(NULL);

@@ -70,6 +70,11 @@ pub struct Args {
     /// Find a single curve, even where gaps suggest several.
     #[arg(long)]
     single: bool,
+    /// Drop outliers: one or two successive samples to which the curve makes a detour of more than
+    /// three times the median distance between successive samples. At the ends of an open curve,
+    /// twice that distance counts. At least half of the samples stay.
+    #[arg(long)]
+    drop_outliers: bool,
     /// Use vertices of the mesh only, instead of adding points where there is no other path.
     #[arg(long)]
     no_steiner: bool,
@@ -80,7 +85,8 @@ pub struct Args {
     #[arg(long)]
     insert: bool,
     /// Output file of the curves: .obj (lines), or .json (outcome, order of the samples, samples
-    /// left out, path of vertices, points with their faces and barycentric coordinates, length).
+    /// left out, outliers, path of vertices, points with their faces and barycentric coordinates,
+    /// length).
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     #[command(flatten)]
@@ -112,6 +118,9 @@ impl From<How> for Mode {
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
+    if args.drop_outliers && matches!(args.mode, How::Faithful) {
+        bail!("--drop-outliers: --mode faithful takes every sample");
+    }
     let output = match &args.output {
         Some(path) => Some((Format::of(path)?, args.force.create(path)?)),
         None => None,
@@ -196,6 +205,7 @@ fn draw(
             .open(args.open || group.open)
             .count(if args.single || group.single { Count::One } else { Count::Automatic })
             .steiner(!args.no_steiner)
+            .drop_outliers(args.drop_outliers)
             .candidates(args.candidates)
             .start(args.start)
             .progress(&update);
@@ -225,6 +235,19 @@ fn describe(group: &Group, found: &Reconstruction) -> Result<()> {
         "{name}{}",
         found.outcome
     )?;
+    if !found.outliers.is_empty() {
+        let numbers: Vec<usize> = group.numbers(&found.outliers).collect();
+        let listed: Vec<String> = numbers.iter().map(usize::to_string).collect();
+        report!(
+            "outliers",
+            name = group.name,
+            samples = numbers;
+            "{name}{} of {} samples dropped: {} (from 0)",
+            listed.len(),
+            group.samples.len(),
+            listed.join(", ")
+        )?;
+    }
     for curve in &found.curves {
         let (count, steps) = (curve.order.len(), curve.path.len());
         let length = curve.length;

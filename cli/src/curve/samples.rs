@@ -22,6 +22,13 @@ pub struct Group {
     pub samples: Range<usize>,
 }
 
+impl Group {
+    /// Returns the numbers in the file of samples with these indices in the group.
+    pub fn numbers(&self, indices: &[u32]) -> impl Iterator<Item = usize> {
+        indices.iter().map(|&i| self.samples.start + i as usize)
+    }
+}
+
 /// The content of a file of samples.
 #[derive(Debug)]
 pub struct Samples {

@@ -88,10 +88,11 @@ fn list<T: ToString>(all: impl Iterator<Item = T>) -> String {
 /// the whole file.
 fn json(found: &Found<'_>, places: &Places) -> String {
     let mut each = Vec::new();
-    let (mut order, mut path, mut left_out) = (Vec::new(), Vec::<u32>::new(), Vec::new());
+    let (mut order, mut path) = (Vec::new(), Vec::<u32>::new());
+    let (mut left_out, mut outliers) = (Vec::new(), Vec::new());
     for ((group, found), places) in found.iter().zip(places) {
-        let number = |i: &u32| group.samples.start + *i as usize;
-        left_out.extend(found.left_out.iter().map(number));
+        left_out.extend(group.numbers(&found.left_out));
+        outliers.extend(group.numbers(&found.outliers));
         let name = group.name.as_ref();
         let name = name.map_or(String::new(), |name| format!("\"name\": \"{name}\", "));
         for (curve, places) in found.curves.iter().zip(places) {
@@ -103,23 +104,24 @@ fn json(found: &Found<'_>, places: &Places) -> String {
                  \"points\": {}, \"faces\": {}, \"weights\": {}}}",
                 curve.closed,
                 curve.length,
-                list(curve.order.iter().map(number)),
+                list(group.numbers(&curve.order)),
                 list(curve.path.iter()),
                 list(points),
                 list(places.iter().map(|place| place.face)),
                 list(weights)
             ));
-            order.extend(curve.order.iter().map(number));
+            order.extend(group.numbers(&curve.order));
             path.extend(&curve.path);
         }
     }
     let length: f64 = found.iter().fold(0.0, |sum, (_, found)| sum + found.length());
     format!(
         "{{\n  \"outcome\": \"{}\",\n  \"length\": {length},\n  \"order\": {},\n  \
-         \"left_out\": {},\n  \"path\": {},\n  \"curves\": [\n{}\n  ]\n}}\n",
+         \"left_out\": {},\n  \"outliers\": {},\n  \"path\": {},\n  \"curves\": [\n{}\n  ]\n}}\n",
         outcome(found).map_or("", Outcome::name),
         list(order.into_iter()),
         list(left_out.into_iter()),
+        list(outliers.into_iter()),
         list(path.into_iter()),
         each.join(",\n")
     )

@@ -2,6 +2,7 @@
 
 use catamaran_geometry::mesh::io::{read, write};
 use catamaran_geometry::mesh::{SurfacePoint, TriMesh, families};
+use serde_json::json;
 
 use crate::common::{Folder, calls};
 
@@ -81,6 +82,30 @@ fn samples_too_few_for_a_curve_are_left_out_with_a_note_and_others_get_theirs() 
     assert!(run.stderr.contains("note: 3 of 6 samples left out"), "{}", run.stderr);
     let json = std::fs::read_to_string(folder.path("curve.json")).unwrap();
     assert!(json.contains("\"left_out\": [0, 4, 5]"), "{json}");
+}
+
+#[test]
+fn outliers_are_dropped_on_request_and_named() {
+    // Around the outer equator, and a vertex of the inner one.
+    let ring: Vec<String> = (0..20).map(|i| format!("{}\n", 40 * ((7 * i) % 20))).collect();
+    let (first, rest) = ring.split_at(9);
+    let with_stray = [first, &["210\n".to_owned()], rest].concat().concat();
+    let folder = folder(&families::torus(40, 20, 2.0, 0.8).unwrap(), &ring.concat());
+    folder.write("strayed.txt", &format!("curve a\n{}curve b\n{with_stray}", ring.concat()));
+    folder.succeed("curve mesh.obj --samples samples.txt -o alone.json");
+    let said = folder.succeed("curve mesh.obj --samples strayed.txt --drop-outliers -o both.json");
+    assert!(said.contains("outliers    b: 1 of 21 samples dropped: 29 (from 0)"), "{said}");
+    let read = |name: &str| -> serde_json::Value {
+        serde_json::from_slice(&std::fs::read(folder.path(name)).unwrap()).unwrap()
+    };
+    let (alone, both) = (read("alone.json"), read("both.json"));
+    assert_eq!((&alone["outliers"], &both["outliers"]), (&json!([]), &json!([29])));
+    for curve in [0, 1] {
+        assert_eq!(both["curves"][curve]["path"], alone["curves"][0]["path"]);
+    }
+    let run = "curve mesh.obj --samples strayed.txt --drop-outliers --mode faithful -o c.json";
+    assert!(folder.fail(run).contains("--drop-outliers: --mode faithful takes every sample"));
+    assert!(!folder.path("c.json").exists());
 }
 
 #[test]

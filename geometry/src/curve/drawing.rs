@@ -5,7 +5,6 @@ use std::collections::HashMap;
 use super::inscribe::{Inscribed, inscribe};
 use super::result::{Curve, Reconstruction, Waypoint};
 use super::sites::with_steiner;
-use super::smooth::shorten;
 use super::solver::{CurveOptions, CurveSolver};
 use crate::mesh::vector::distance;
 use crate::mesh::{Refined, TriMesh};
@@ -113,7 +112,7 @@ impl Drawing {
         self.smooth = true;
         let mut converged = true;
         for layer in &mut self.layers {
-            converged &= shorten(self.solver.mesh(), &mut layer.found.curves, &layer.samples)?;
+            converged &= layer.found.shorten(self.solver.mesh(), &layer.samples)?;
         }
         Ok(converged)
     }

@@ -22,6 +22,7 @@ pub mod dataset;
 mod drawing;
 mod faithful;
 mod inscribe;
+mod outliers;
 mod places;
 mod proximity;
 mod refinement;
@@ -45,7 +46,7 @@ pub use inscribe::{Inscribed, inscribe};
 pub use places::places;
 pub use region::{Region, Side};
 pub use result::{Curve, Outcome, Reconstruction, Waypoint, same_order};
-pub use sites::{Placed, Placement, place, refined};
+pub use sites::{Placed, Placement, place, refined, with_steiner};
 pub use smooth::{Smoothed, smooth};
 pub use solver::{Count, CurveOptions, CurveSolver, Mode};
 

@@ -103,12 +103,31 @@ pub struct Reconstruction {
     /// points may be on no curve.
     pub steiner: Vec<[u32; 2]>,
     /// Indices, ascending, of the samples that are on no curve because their component of the mesh
-    /// has fewer than three samples. Empty unless several curves are allowed; all other samples are
-    /// on curves, or the outcome says why not.
+    /// has fewer than three samples. Empty unless several curves are allowed, or
+    /// [outliers are dropped](super::CurveOptions::drop_outliers). All other samples are on curves,
+    /// or the outcome says why not.
     pub left_out: Vec<u32>,
+    /// Indices, ascending, of the samples that were dropped as outliers.
+    pub outliers: Vec<u32>,
 }
 
 impl Reconstruction {
+    /// Creates the result of a search that found no curve.
+    pub(super) fn without_curves(outcome: Outcome) -> Self {
+        let (curves, steiner, left_out, outliers) = (vec![], vec![], vec![], vec![]);
+        Self { outcome, curves, steiner, left_out, outliers }
+    }
+
+    /// Replaces each index of a sample by its entry in `numbers`, which ascend.
+    pub(super) fn renumber(&mut self, numbers: &[u32]) {
+        let number = |i: &mut u32| *i = numbers[*i as usize];
+        if let Outcome::Blocked { at, .. } = &mut self.outcome {
+            number(at);
+        }
+        self.curves.iter_mut().flat_map(|curve| &mut curve.order).for_each(number);
+        self.left_out.iter_mut().for_each(number);
+    }
+
     /// Returns the sum of the lengths of the curves.
     pub fn length(&self) -> f64 {
         total(self.curves.iter().map(|curve| curve.length))

@@ -88,7 +88,18 @@ pub fn refined(mesh: &TriMesh, steiner: &[[u32; 2]]) -> Result<TriMesh> {
 }
 
 /// Returns the mesh of [`refined`], with the origins of its vertices and faces.
-pub(super) fn with_steiner(mesh: &TriMesh, steiner: &[[u32; 2]]) -> Result<Refined> {
+///
+/// ```
+/// use catamaran_geometry::{curve::with_steiner, mesh::families};
+///
+/// let found = with_steiner(&families::grid(1, 1)?, &[[0, 1]])?;
+/// assert_eq!((found.vertices[4].weights, found.faces.len()), ([0.5, 0.5, 0.0], 3));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`refined`].
+pub fn with_steiner(mesh: &TriMesh, steiner: &[[u32; 2]]) -> Result<Refined> {
     let mut refinement = Refinement::new(Cow::Borrowed(mesh));
     for (i, ends) in steiner.iter().enumerate() {
         let known = mesh.vertices().len() + i;

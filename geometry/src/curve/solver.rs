@@ -2,6 +2,7 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 
 use super::faithful::Walker;
+use super::outliers::outliers;
 use super::proximity::Proximity;
 use super::result::{Curve, Outcome, Reconstruction, Waypoint, total};
 use super::route::{Net, Router};
@@ -51,6 +52,11 @@ options! {
         /// In the robust mode, whether vertices may be inserted in the middle of edges where there
         /// is no other path.
         steiner: bool = true;
+        /// Whether outliers are dropped: one or two successive samples to which the curve makes a
+        /// detour of more than three times the median distance between successive samples. At the
+        /// ends of an open curve, twice that distance counts. At least half of the samples stay.
+        /// Not for the faithful mode.
+        drop_outliers: bool = false;
         /// In the faithful mode, l, the number of nearest samples among which the next one is
         /// chosen.
         candidates: usize = 5, range "at least 1";
@@ -130,22 +136,23 @@ impl<'m> CurveSolver<'m> {
     /// sample. In the robust mode, each curve starts at its sample of lowest index, and continues
     /// with the lower one of its two neighbours. The same samples give the same result, bit for
     /// bit. Where there may be several curves, samples on components with fewer than three samples
-    /// are [left out](Reconstruction::left_out), and the other samples get their curves.
+    /// are [left out](Reconstruction::left_out), and the other samples get their curves. Without
+    /// its [outliers](Reconstruction::outliers), the other samples have the curves that they have
+    /// alone.
     ///
     /// # Errors
     /// [`Error::Argument`] for fewer than three samples, a vertex that does not exist or occurs
-    /// twice, no candidates, or a start that is not the index of a sample; [`Error::Mesh`] for a
-    /// vertex without a face; [`Error::Cancelled`].
+    /// twice, no candidates, a start that is not the index of a sample, or outliers to drop in the
+    /// faithful mode; [`Error::Mesh`] for a vertex without a face; [`Error::Cancelled`].
     pub fn reconstruct(
         &mut self,
         samples: &[u32],
         options: &CurveOptions<'_>,
     ) -> Result<Reconstruction> {
         self.check(samples, options)?;
-        let found = options.progress.watch(|| match options.mode {
-            Mode::Faithful => self.faithful(samples, options),
-            Mode::Robust => self.robust(samples, options),
-            Mode::Ordered => self.ordered(samples, options),
+        let found = options.progress.watch(|| match options.drop_outliers {
+            true => self.without_outliers(samples, options),
+            false => self.through_all(samples, options),
         });
         self.surface.forget_refinement();
         found
@@ -172,6 +179,9 @@ impl<'m> CurveSolver<'m> {
             return refused("samples", format!("must be at least {LEAST}, are {}", samples.len()));
         }
         if options.mode == Mode::Faithful {
+            if options.drop_outliers {
+                return refused("drop_outliers", "the faithful mode takes every sample".into());
+            }
             at_least("candidates", options.candidates, 1)?;
             if options.start >= samples.len() {
                 let why = format!("must be below {}, is {}", samples.len(), options.start);
@@ -179,6 +189,66 @@ impl<'m> CurveSolver<'m> {
             }
         }
         Ok(())
+    }
+
+    /// Finds curves through all samples.
+    fn through_all(
+        &mut self,
+        samples: &[u32],
+        options: &CurveOptions<'_>,
+    ) -> Result<Reconstruction> {
+        match options.mode {
+            Mode::Faithful => self.faithful(samples, options),
+            Mode::Robust => self.robust(samples, options),
+            Mode::Ordered => self.ordered(samples, options),
+        }
+    }
+
+    /// Finds curves through the samples that are no outliers.
+    fn without_outliers(
+        &mut self,
+        samples: &[u32],
+        options: &CurveOptions<'_>,
+    ) -> Result<Reconstruction> {
+        let mut kept = Vec::new();
+        for group in self.groups(samples) {
+            kept.extend(self.kept(samples, group, options)?);
+        }
+        kept.sort_unstable();
+        let own: Vec<u32> = kept.iter().map(|&i| samples[i as usize]).collect();
+        let mut found = self.through_all(&own, options)?;
+        found.renumber(&kept);
+        let all = 0..samples.len() as u32;
+        found.outliers = all.filter(|i| kept.binary_search(i).is_err()).collect();
+        Ok(found)
+    }
+
+    /// Returns a group of samples without its outliers: at least half of it, and three samples.
+    fn kept(
+        &mut self,
+        samples: &[u32],
+        mut group: Vec<u32>,
+        options: &CurveOptions<'_>,
+    ) -> Result<Vec<u32>> {
+        let fewest = LEAST.max(group.len().div_ceil(2));
+        while group.len() > fewest {
+            options.progress.report(0.0)?;
+            let vertices: Vec<u32> = group.iter().map(|&i| samples[i as usize]).collect();
+            let proximity = Proximity::new(&self.surface, &mut self.search, &vertices)?;
+            let all: Vec<u32> = (0..group.len() as u32).collect();
+            let order = match options.mode {
+                Mode::Ordered => all,
+                _ => tour(&Costs::new(&proximity, &all, options.open), SEED)?,
+            };
+            let mut found = outliers(&proximity, &order, options.open);
+            found.truncate(group.len() - fewest);
+            if found.is_empty() {
+                break;
+            }
+            let kept = (0..).zip(&group).filter(|(place, _)| !found.contains(place));
+            group = kept.map(|(_, &i)| i).collect();
+        }
+        Ok(group)
     }
 
     /// Returns the samples of each component of the mesh, by index.
@@ -205,8 +275,7 @@ impl<'m> CurveSolver<'m> {
             outcome => outcome,
         };
         let curve = self.curve(walk.order, walk.path, outcome == Outcome::Closed);
-        let (curves, steiner, left_out) = (vec![curve], Vec::new(), Vec::new());
-        Ok(Reconstruction { outcome, curves, steiner, left_out })
+        Ok(Reconstruction { curves: vec![curve], ..Reconstruction::without_curves(outcome) })
     }
 
     fn robust(&mut self, samples: &[u32], options: &CurveOptions<'_>) -> Result<Reconstruction> {
@@ -214,17 +283,12 @@ impl<'m> CurveSolver<'m> {
         let several = options.count == Count::Automatic && !options.open;
         let components = groups.len();
         let mut left_out = Vec::new();
-        if several {
-            left_out = groups.extract_if(.., |group| group.len() < LEAST).flatten().collect();
-            left_out.sort_unstable();
+        if several || options.drop_outliers {
+            left_out = too_few(&mut groups);
         }
         if groups.is_empty() || groups.len() > 1 && !several {
-            return Ok(Reconstruction {
-                outcome: Outcome::Disconnected { components },
-                curves: Vec::new(),
-                steiner: Vec::new(),
-                left_out,
-            });
+            let none = Reconstruction::without_curves(Outcome::Disconnected { components });
+            return Ok(Reconstruction { left_out, ..none });
         }
         let mut orders = Vec::new();
         for group in &groups {
@@ -237,13 +301,14 @@ impl<'m> CurveSolver<'m> {
 
     /// Finds a path through the samples in their given order.
     fn ordered(&mut self, samples: &[u32], options: &CurveOptions<'_>) -> Result<Reconstruction> {
-        let components = self.groups(samples).len();
-        if components > 1 {
-            let (curves, steiner, left_out) = (Vec::new(), Vec::new(), Vec::new());
-            let outcome = Outcome::Disconnected { components };
-            return Ok(Reconstruction { outcome, curves, steiner, left_out });
+        let mut groups = self.groups(samples);
+        let components = groups.len();
+        let left_out = if options.drop_outliers { too_few(&mut groups) } else { Vec::new() };
+        if groups.len() != 1 {
+            let none = Reconstruction::without_curves(Outcome::Disconnected { components });
+            return Ok(Reconstruction { left_out, ..none });
         }
-        self.routed(samples, &[(0..samples.len() as u32).collect()], options)
+        Ok(Reconstruction { left_out, ..self.routed(samples, &groups, options)? })
     }
 
     /// Returns the order of each curve through a group of samples.
@@ -297,7 +362,7 @@ impl<'m> CurveSolver<'m> {
             curves.push(curve);
         }
         let steiner = self.surface.bisected().to_vec();
-        Ok(Reconstruction { outcome, curves, steiner, left_out: Vec::new() })
+        Ok(Reconstruction { curves, steiner, ..Reconstruction::without_curves(outcome) })
     }
 
     /// Joins the paths of a curve, from the end of the first missing path to the next one.
@@ -353,6 +418,13 @@ fn filled<T: Clone + Default>(n: usize) -> Result<Vec<T>> {
     let mut all = reserved(n)?;
     all.resize(n, T::default());
     Ok(all)
+}
+
+/// Removes the groups that are too few samples for a curve, and returns these samples, ascending.
+fn too_few(groups: &mut Vec<Vec<u32>>) -> Vec<u32> {
+    let mut few: Vec<u32> = groups.extract_if(.., |group| group.len() < LEAST).flatten().collect();
+    few.sort_unstable();
+    few
 }
 
 /// Returns the pairs of vertices that follow each other.

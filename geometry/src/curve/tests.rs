@@ -12,6 +12,7 @@ const FAITHFUL: CurveOptions<'_> = CurveOptions {
     open: false,
     count: Count::Automatic,
     steiner: true,
+    drop_outliers: false,
     candidates: 5,
     start: 0,
     progress: Progress::none(),
@@ -53,7 +54,8 @@ fn check(mesh: &TriMesh, samples: &[u32], result: &Reconstruction) {
         assert_eq!(points, curve.points);
     }
     if result.outcome.is_complete() {
-        let left_out = |i: usize| result.left_out.contains(&(i as u32));
+        let off = [&result.left_out[..], &result.outliers].concat();
+        let left_out = |i: usize| off.contains(&(i as u32));
         assert!(samples.iter().enumerate().all(|(i, v)| seen.contains(v) != left_out(i)));
     }
 }
@@ -154,6 +156,121 @@ fn samples_on_components_with_fewer_than_three_are_left_out_and_others_get_their
     let result = found(&mesh, &[2 * n, 0, 7], &robust());
     assert_eq!(result.outcome, Outcome::Disconnected { components: 2 });
     assert_eq!((result.left_out.len(), result.length().to_bits()), (3, 0));
+}
+
+/// Returns a torus, samples around its outer equator, and these with four strays among them, two of
+/// which are beside each other.
+fn with_strays() -> (TriMesh, Vec<u32>, Vec<u32>) {
+    let mesh = families::torus(60, 30, 2.0, 0.8).unwrap();
+    let around: Vec<u32> = (0..60).map(|i| 30 * ((7 * i) % 60)).collect();
+    let mut all = around.clone();
+    // Vertices 30 i + j lie around the tube at i: a quarter above and below.
+    for (place, stray) in [(3, 308), (8, 922), (15, 1508), (16, 1509)] {
+        all.insert(place, stray);
+    }
+    (mesh, around, all)
+}
+
+#[test]
+fn without_its_outliers_a_curve_is_that_of_the_other_samples() {
+    let (mesh, around, all) = with_strays();
+    let drop = CurveOptions { drop_outliers: true, ..robust() };
+    let alone = found(&mesh, &around, &robust());
+    let result = found(&mesh, &all, &drop);
+    check(&mesh, &all, &result);
+    assert_eq!(result.outliers, [3, 8, 15, 16]);
+    assert_eq!((result.outcome, result.left_out.len()), (Outcome::Closed, 0));
+    assert_eq!(result.curves.len(), 1);
+    assert_eq!(result.curves[0].path, alone.curves[0].path);
+    let at = |samples: &[u32], order: &[u32]| -> Vec<u32> {
+        order.iter().map(|&i| samples[i as usize]).collect()
+    };
+    let orders = (at(&all, &result.curves[0].order), at(&around, &alone.curves[0].order));
+    assert_eq!(orders.0, orders.1);
+    assert_eq!(result.length().to_bits(), alone.length().to_bits());
+    // The strays make the curve longer where they stay, and no sample of the curve is dropped.
+    let spiky = found(&mesh, &all, &robust());
+    assert!(spiky.outliers.is_empty() && spiky.length() > 1.3 * alone.length());
+    assert_eq!(found(&mesh, &around, &drop), alone);
+}
+
+#[test]
+fn outliers_of_open_and_ordered_curves_are_dropped_and_their_ends_stay() {
+    let mesh = shapes::grid(30, 12);
+    // A line of samples 2 apart; strays 10 beside its middle, and 15 beyond its end.
+    let line: Vec<u32> = (1..8).map(|i| at(30, 2 * i, 2)).collect();
+    let with = |place: usize, stray: u32| {
+        let mut all = line.clone();
+        all.insert(place, stray);
+        all
+    };
+    for mode in [Mode::Robust, Mode::Ordered] {
+        let options = CurveOptions { open: true, drop_outliers: true, mode, ..robust() };
+        let straight = found(&mesh, &line, &options);
+        assert_eq!((straight.outcome, straight.length()), (Outcome::Open, 12.0), "{mode:?}");
+        for (place, stray) in [(4, at(30, 9, 12)), (7, at(30, 29, 2))] {
+            let result = found(&mesh, &with(place, stray), &options);
+            assert_eq!(result.outliers, [place as u32], "{mode:?}");
+            assert_eq!(result.curves[0].path, straight.curves[0].path);
+        }
+        // Five times the usual distance: a long gap at the end.
+        let result = found(&mesh, &with(7, at(30, 24, 2)), &options);
+        assert_eq!((result.outliers.len(), result.length()), (0, 22.0), "{mode:?}");
+    }
+}
+
+#[test]
+fn a_smooth_curve_is_not_held_by_an_outlier_that_it_runs_over() {
+    let mesh = shapes::grid(30, 12);
+    // Along a line that edges do not follow, and back.
+    let slanted = (0..7).map(|i| at(30, 2 + 3 * i, 8 - i));
+    let back = [(20, 5), (20, 8)].into_iter().chain((0..7).map(|i| (20 - 3 * i, 11)));
+    let samples: Vec<u32> = slanted.chain(back.map(|(x, y)| at(30, x, y))).collect();
+    let options = CurveOptions { drop_outliers: true, mode: Mode::Ordered, ..robust() };
+    let mut alone = found(&mesh, &samples, &options);
+    let path = alone.curves[0].path.clone();
+    alone.smooth(&mesh, &samples).unwrap();
+    let second = path.iter().position(|&v| v == samples[1]).unwrap();
+    assert!(second > 3);
+    for &on_the_way in &path[1..second] {
+        // Far away in the order.
+        let mut all = samples.clone();
+        all.insert(12, on_the_way);
+        let mut result = found(&mesh, &all, &options);
+        assert_eq!((&result.outliers[..], &result.curves[0].path), (&[12][..], &path));
+        result.smooth(&mesh, &all).unwrap();
+        assert_eq!(result.length().to_bits(), alone.length().to_bits());
+    }
+}
+
+#[test]
+fn samples_alone_on_a_component_are_left_out_of_the_one_curve_of_the_others() {
+    let mesh = families::spheres(2, 2).unwrap();
+    let n = mesh.vertices().len() as u32 / 2;
+    let both = [n, 0, 1, n + 1, 5, 9];
+    for mode in [Mode::Robust, Mode::Ordered] {
+        let one = CurveOptions { count: Count::One, mode, ..robust() };
+        let disconnected = Outcome::Disconnected { components: 2 };
+        assert_eq!(found(&mesh, &both, &one).outcome, disconnected);
+        let result = found(&mesh, &both, &CurveOptions { drop_outliers: true, ..one });
+        assert_eq!((result.outcome, &result.left_out[..]), (Outcome::Closed, &[0, 3][..]));
+        check(&mesh, &both, &result);
+    }
+    let faithful = CurveOptions { drop_outliers: true, ..FAITHFUL };
+    let why = refusal(&mesh, &both, &faithful);
+    assert_eq!(why, "drop_outliers: the faithful mode takes every sample");
+}
+
+#[test]
+fn at_least_half_of_the_samples_stay() {
+    // Each power of four is an outlier to the lower ones.
+    let mesh = shapes::grid(16384, 1);
+    let out_and_back = [0, 4, 64, 1024, 16384, 4096, 256, 16, 1];
+    let mode = Mode::Ordered;
+    let options = CurveOptions { drop_outliers: true, steiner: false, mode, ..robust() };
+    let result = found(&mesh, &out_and_back, &options);
+    assert_eq!(result.outliers, [3, 4, 5, 6]);
+    assert_eq!(found(&mesh, &out_and_back[..4], &options).outliers.len(), 0);
 }
 
 #[test]

@@ -13,7 +13,7 @@ Pieces = Tuple[int, int, int, int]
 MeshArrays = Tuple[Array, Array]
 PartArrays = Tuple[MeshArrays, Array, Array]
 RefinedArrays = Tuple[MeshArrays, Array, Array, Array]
-FoundCurves = Tuple[str, bool, List[Dict[str, Any]], Array]
+FoundCurves = Tuple[str, bool, List[Dict[str, Any]], Array, Array]
 BasisParts = Tuple[Array, Array, Array, Pieces]
 
 __version__: str

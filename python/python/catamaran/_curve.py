@@ -27,6 +27,10 @@ class Curve:
     path: NDArray[Any]
     #: Positions along the curve.
     points: NDArray[np.float64]
+    #: For each point, a face of the mesh that was given.
+    faces: NDArray[Any]
+    #: The barycentric coordinates of each point in its face.
+    barycentric: NDArray[np.float64]
     #: Whether it ends where it begins.
     closed: bool
     #: Its length.
@@ -54,12 +58,14 @@ class Curves:
 
     #: In words.
     outcome: str
-    #: Whether every sample is on a curve.
+    #: Whether every other sample is on a curve.
     complete: bool
     #: The curves.
     curves: List[Curve]
-    #: Samples that are on none.
+    #: Samples that are on none, because their components of the mesh have fewer than three.
     left_out: NDArray[Any]
+    #: Samples that were dropped as outliers.
+    outliers: NDArray[Any]
 
 
 @takes_mesh
@@ -71,6 +77,7 @@ def curve(
     open: bool = False,
     single: bool = False,
     steiner: bool = True,
+    drop_outliers: bool = False,
     smooth: bool = False,
     mode: Mode = "robust",
     candidates: int = 5,
@@ -91,6 +98,10 @@ def curve(
         One curve, also where there are gaps as between several.
     steiner : bool
         Whether points on edges may be taken where there is no other way.
+    drop_outliers : bool
+        Whether one or two successive samples are dropped, to which the curve makes a detour of more
+        than three times the median distance between successive samples (at the ends of an open
+        curve, six times). At least half of the samples stay. Not with "faithful".
     smooth : bool
         Straight over the faces between samples, not along edges.
     mode : {"robust", "faithful"}
@@ -106,18 +117,28 @@ def curve(
 
     Examples
     --------
-    >>> import catamaran
+    >>> import catamaran, numpy as np
     >>> v, f = catamaran.shapes.torus(40, 20)
     >>> found = catamaran.curve(v, f, [0, 400, 200, 600, 100, 700])
     >>> found.complete, len(found.curves[0].order)
     (True, 6)
+    >>> one = found.curves[0]
+    >>> corners = v[f[one.faces]]  # the points are on faces
+    >>> bool(np.allclose((one.barycentric[:, :, None] * corners).sum(axis=1), one.points))
+    True
     """
-    how = options(mode, open, single, steiner, candidates, start)
+    how = options(mode, open, single, steiner, drop_outliers, candidates, start)
     return curves(_catamaran.curve(v, f, samples, how, smooth, callback(progress)))
 
 
 def options(
-    mode: str, open: bool, single: bool, steiner: bool, candidates: int, start: int
+    mode: str,
+    open: bool,
+    single: bool,
+    steiner: bool,
+    drop_outliers: bool,
+    candidates: int,
+    start: int,
 ) -> Dict[str, Any]:
     """Return options of a curve as the extension takes them."""
     return {
@@ -125,6 +146,7 @@ def options(
         "open": open,
         "single": single,
         "steiner": steiner,
+        "drop_outliers": drop_outliers,
         "candidates": candidates,
         "start": start,
     }
@@ -132,8 +154,8 @@ def options(
 
 def curves(found: Any) -> Curves:
     """Return curves of the extension."""
-    outcome, complete, all_of, left_out = found
-    return Curves(outcome, complete, [Curve(**one) for one in all_of], left_out)
+    outcome, complete, all_of, left_out, outliers = found
+    return Curves(outcome, complete, [Curve(**one) for one in all_of], left_out, outliers)
 
 
 class Drawn(NamedTuple):
@@ -154,6 +176,7 @@ def draw(
     open: bool = False,
     single: bool = False,
     steiner: bool = True,
+    drop_outliers: bool = False,
     smooth: bool = False,
     mode: Mode = "robust",
     candidates: int = 5,
@@ -171,8 +194,8 @@ def draw(
         Vertices and faces.
     layers : sequence of (samples, options)
         Samples as `curve` takes them, each with a dictionary of the options `open`, `single`,
-        `steiner`, `mode`, `candidates` and `start` that differ in this layer.
-    open, single, steiner, mode, candidates, start
+        `steiner`, `drop_outliers`, `mode`, `candidates` and `start` that differ in this layer.
+    open, single, steiner, drop_outliers, mode, candidates, start
         As in `curve`, for all layers.
     smooth : bool
         Whether curves are straight over the faces between samples, in all layers.
@@ -199,7 +222,7 @@ def draw(
     >>> round(float(found.refined.mesh.face_areas[inside].sum()), 9)  # 6 x 6 of 8 x 8 squares
     0.5625
     """
-    common = options(mode, open, single, steiner, candidates, start)
+    common = options(mode, open, single, steiner, drop_outliers, candidates, start)
     own = []
     for samples, more in layers:
         unknown = sorted(set(more) - set(common))

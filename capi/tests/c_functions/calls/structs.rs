@@ -88,6 +88,8 @@ fn curve(choices: &mut Choices<'_>) {
     let mut refused = None;
     let r = &mut refused;
     let flags = [2, -1];
+    let faithful = field(choices, "faithful", &[0, 1], &flags, r);
+    let drop_outliers: &[i32] = if faithful == 0 { &[0, 1] } else { &[0] };
     let value = cata_curve_params {
         struct_size: 0,
         threads: 0,
@@ -95,11 +97,13 @@ fn curve(choices: &mut Choices<'_>) {
         progress_user: ptr::null_mut(),
         candidates: choices.pick(&[0, 3]),
         start: 0,
-        faithful: field(choices, "faithful", &[0, 1], &flags, r),
+        faithful,
         open: field(choices, "open", &[0, 1], &flags, r),
         single: field(choices, "single", &[0, 1], &flags, r),
         points: field(choices, "points", &[0, 1], &flags, r),
         smooth: field(choices, "smooth", &[0, 1], &flags, r),
+        reserved: 0,
+        drop_outliers: field(choices, "drop_outliers", drop_outliers, &flags, r),
     };
     let params = Params::new(choices, value, refused);
     let mut solver = ptr::null_mut();

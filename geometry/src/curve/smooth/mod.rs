@@ -63,13 +63,22 @@ impl Reconstruction {
     /// As [`refined`] and [`smooth()`].
     pub fn smooth(&mut self, mesh: &TriMesh, samples: &[u32]) -> Result<bool> {
         let refined = refined(mesh, &self.steiner)?;
-        shorten(&refined, &mut self.curves, samples)
+        self.shorten(&refined, samples)
+    }
+
+    /// Does what [`smooth`](Self::smooth) does on the mesh with the Steiner points.
+    pub(super) fn shorten(&mut self, refined: &TriMesh, samples: &[u32]) -> Result<bool> {
+        // A curve that happens to run over an outlier need not stay there.
+        let is_outlier = |i: &u32| self.outliers.binary_search(i).is_ok();
+        let marked = (0..).zip(samples).filter(|(i, _)| !is_outlier(i)).map(|(_, &v)| v);
+        let marked: Vec<u32> = marked.collect();
+        shorten(refined, &mut self.curves, &marked)
     }
 }
 
 /// Turns curves along edges of `mesh` into geodesics between samples, and returns whether the steps
 /// sufficed.
-pub(super) fn shorten(mesh: &TriMesh, curves: &mut [Curve], samples: &[u32]) -> Result<bool> {
+fn shorten(mesh: &TriMesh, curves: &mut [Curve], samples: &[u32]) -> Result<bool> {
     let vertices: usize = curves.iter().map(|curve| curve.path.len()).sum();
     let smoothed = smooth(mesh, curves, samples, STEPS * vertices)?;
     let all = smoothed.points.into_iter().zip(smoothed.waypoints).zip(smoothed.lengths);
