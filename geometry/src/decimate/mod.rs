@@ -20,6 +20,7 @@ mod lloyd;
 mod loss;
 mod mend;
 mod options;
+mod order;
 mod patch;
 mod prepare;
 mod prolongation;
@@ -32,6 +33,8 @@ mod resolve;
 mod result;
 mod size;
 mod solver;
+mod splits;
+mod strips;
 mod surface;
 mod topology;
 
