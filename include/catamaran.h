@@ -950,7 +950,7 @@ typedef struct cata_cholesky_params {
     cata_progress progress; /**< Progress callback; NULL: none. */
     void *progress_user; /**< Passed to `progress`. */
     /** n elements: the rows in the order of elimination, from 0, each once, as that of METIS; NULL:
-     * approximate minimum degree. */
+     * approximate minimum degree, from 100,000 rows on after nested dissection. */
     const size_t *order;
     /** Largest pivot that is zero, relative to the diagonal entry of its row, at most 0.01; 0: 8 n
      * 2^-52 with `semidefinite`, and only zero itself without. */

@@ -48,7 +48,7 @@ pub struct cata_cholesky_params {
     /// Passed to `progress`.
     pub progress_user: *mut c_void,
     /// n elements: the rows in the order of elimination, from 0, each once, as that of METIS; NULL:
-    /// approximate minimum degree.
+    /// approximate minimum degree, from 100,000 rows on after nested dissection.
     pub order: *const usize,
     /// Largest pivot that is zero, relative to the diagonal entry of its row, at most 0.01; 0: 8 n
     /// 2^-52 with `semidefinite`, and only zero itself without.

@@ -121,8 +121,8 @@ def cholesky(
         Largest pivot that is zero, relative to the diagonal entry of its row: 8 n 2^-52 for
         semidefinite matrices, 0 for others.
     order : array_like of n integers, optional
-        The rows in the order of elimination, each once, as that of METIS; approximate minimum
-        degree by default.
+        The rows in the order of elimination, each once, as that of METIS. By default approximate
+        minimum degree, from 100,000 rows on after nested dissection.
     threads, progress
         As in `ata`.
 

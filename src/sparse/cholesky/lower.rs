@@ -26,8 +26,8 @@ impl Lower {
     pub fn new<T: Copy>(a: CsMatView<'_, T>, triangle: Triangle) -> Result<Self> {
         let n = a.rows();
         Error::check_shape("A", (n, n), a.shape())?;
-        if n >= u32::MAX as usize {
-            let why = format!("{n} rows, {} are possible", u32::MAX - 1);
+        if n > i32::MAX as usize {
+            let why = format!("{n} rows, {} are possible", i32::MAX);
             return Err(Error::Argument { what: "A", why });
         }
         let mut starts = repeated(1usize, n + 1)?;

@@ -1,43 +1,44 @@
-//! Sparse Cholesky factorizations, in the order that faer finds, with errors when memory is
-//! refused, and solves.
+//! Sparse Cholesky factorizations, with errors when memory is refused, and solves.
 
+mod coarse;
+mod dissection;
+mod graph;
+mod halves;
 mod limits;
 mod lower;
+mod minimum;
 mod numeric;
 mod options;
 mod parts;
 mod pattern;
 mod postorder;
 mod solver;
+mod structure;
 mod supernode;
 mod sweeps;
 
 use faer::MatMut;
-use faer::perm::PermRef;
-use faer::sparse::linalg::SupernodalThreshold;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
-};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 
 use super::space::Inverse;
-use crate::base::{Error, Par, Progress, Result, apart, repeated, reserved};
+use crate::base::{Par, Progress, Result, reserved};
+use dissection::dissected;
+use graph::{Graph, Lists};
+use minimum::minimum_degree;
 use numeric::Pivots;
 pub use options::{CholeskyOptions, Triangle};
 use pattern::{Entries, Pattern};
 use postorder::postordered;
 pub use solver::Cholesky;
+use structure::Structure;
 use supernode::Block;
 use sweeps::Sweeps;
-
-/// Operations to which finding the order of one entry is equal, roughly.
-const ORDERED: f64 = 200.0;
 
 /// The order of elimination and the pattern of the factor. All matrices with the same pattern share
 /// it.
 ///
-/// The order is that of approximate minimum degree (Amestoy, Davis and Duff 1996), as nested
-/// dissection fills in as much on surfaces (docs/decisions/0007), or one that is given.
+/// The order is that of approximate minimum degree, for large matrices of the parts that nested
+/// dissection finds and then of the rows between them (docs/decisions/0007), or one that is given.
 #[derive(Debug)]
 pub struct Symbolic {
     pattern: Pattern,
@@ -53,48 +54,30 @@ impl Symbolic {
     /// # Errors
     /// [`Error::OutOfMemory`] when memory is refused, and [`Error::Cancelled`].
     pub fn new(places: SymbolicSparseColMatRef<'_, usize>) -> Result<Self> {
-        Self::of(places, None)
+        let graph = Graph::new(places)?;
+        let stages = dissected(&graph)?;
+        let groups = minimum_degree(&graph, stages.as_ref())?;
+        Self::of(places, &graph, &groups)
     }
 
     /// Analyses as [`Symbolic::new`] does, with a permutation of the rows as the order of
     /// elimination, up to the order of subtrees that do not depend on each other.
     fn in_order(places: SymbolicSparseColMatRef<'_, usize>, order: &[usize]) -> Result<Self> {
-        let order = postordered(places, order)?;
-        let mut inverse = repeated(0, order.len())?;
-        order.iter().enumerate().for_each(|(i, &row)| inverse[row] = i);
-        Self::of(places, Some((order, inverse)))
+        let mut rows = reserved(order.len())?;
+        rows.extend(postordered(places, order)?.into_iter().map(|row| row as u32));
+        Self::of(places, &Graph::new(places)?, &Lists::singles(rows)?)
     }
 
-    /// Analyses with an order and its inverse, or with minimum degree.
+    /// Analyses with groups of rows that are eliminated one after another.
     fn of(
         places: SymbolicSparseColMatRef<'_, usize>,
-        order: Option<(Vec<usize>, Vec<usize>)>,
+        graph: &Graph,
+        groups: &Lists,
     ) -> Result<Self> {
-        let refused = Error::OutOfMemory { bytes: size_of_val(places.row_idx()) };
-        let owned = places.to_owned().map_err(|_| refused.clone())?;
-        let found = apart(ORDERED * places.row_idx().len() as f64, move || {
-            let parameters = CholeskySymbolicParams {
-                // Supernodes solve for blocks of right-hand sides, and allow for pivots. The
-                // threshold of faer that should always select them does not do so for diagonal
-                // matrices.
-                supernodal_flop_ratio_threshold: SupernodalThreshold(-1.0),
-                ..Default::default()
-            };
-            let given: Option<PermRef<'_, usize>> = order
-                .as_ref()
-                .map(|(order, inverse)| PermRef::new_checked(order, inverse, order.len()));
-            let order = given.map_or(SymmetricOrdering::Amd, SymmetricOrdering::Custom);
-            factorize_symbolic_cholesky(owned.as_ref(), faer::Side::Lower, order, parameters)
-        })?
-        .map_err(|_| refused)?;
-        let found_order = found.perm().expect("an order was asked for").arrays().0;
-        let mut order = reserved(found_order.len())?;
-        order.extend_from_slice(found_order);
-        let pattern = match found.raw() {
-            SymbolicCholeskyRaw::Supernodal(raw) => Pattern::new(raw)?,
-            // Without rows.
-            SymbolicCholeskyRaw::Simplicial(_) => Pattern::default(),
-        };
+        let structure = Structure::new(graph, groups)?;
+        let pattern = Pattern::new(&structure)?;
+        let mut order = reserved(structure.order.len())?;
+        order.extend(structure.order.iter().map(|&row| row as usize));
         Ok(Self { entries: Entries::new(places, &order)?, pattern, order })
     }
 

@@ -37,8 +37,8 @@ options! {
         /// for semidefinite matrices of n rows, 0 for definite ones.
         tolerance: Option<f64> = None, range "from 0 to 0.01", setter into;
         /// The rows in the order of elimination, as that of METIS or Scotch: row `order[0]` is the
-        /// first. `None`: approximate minimum degree, which is as good on surfaces of up to
-        /// 100,000 vertices (docs/decisions/0007).
+        /// first. `None`: approximate minimum degree, from 100,000 rows on after nested dissection
+        /// (docs/decisions/0007).
         order: Option<&'a [usize]> = None, range "every row once", setter into;
         /// Threads of solutions, and of large supernodes of factorizations. Their number does not
         /// change the result.

@@ -1,8 +1,8 @@
 //! Where the factor of a sparse matrix has entries.
 
 use faer::sparse::SymbolicSparseColMatRef;
-use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 
+use super::structure::Structure;
 use super::supernode::Supernode;
 use crate::base::{Result, push, repeated, reserved, room};
 
@@ -28,26 +28,31 @@ pub(super) struct Pattern {
 
 impl Pattern {
     /// Cuts the supernodes of a factor.
-    pub fn new(symbolic: &SymbolicSupernodalCholesky<usize>) -> Result<Self> {
-        let (starts, ends) = (symbolic.supernode_begin(), symbolic.supernode_end());
-        let (n, nodes) = (symbolic.nrows(), symbolic.n_supernodes());
+    pub fn new(structure: &Structure) -> Result<Self> {
+        let Structure { order, nodes, rows } = structure;
+        let n = order.len();
+        let mut place = repeated(0u32, n)?;
+        (0..).zip(order).for_each(|(i, &row)| place[row as usize] = i);
         let mut pattern =
-            Self { n, owner: reserved(n)?, nodes: reserved(nodes)?, ..Self::default() };
+            Self { n, owner: reserved(n)?, nodes: reserved(nodes.len())?, ..Self::default() };
         push(&mut pattern.starts, 0)?;
         let mut below: Vec<u32> = Vec::new();
-        for s in 0..nodes {
-            let rows = symbolic.supernode(s).pattern();
+        let mut first = 0;
+        for node in nodes {
+            let rows = &rows[node.first..node.first + node.below];
             below.clear();
             room(&mut below, rows.len())?;
-            below.extend(rows.iter().map(|&row| row as u32));
+            below.extend(rows.iter().map(|&row| place[row as usize]));
             below.sort_unstable();
-            for start in (starts[s]..ends[s]).step_by(WIDEST) {
-                let end = ends[s].min(start + WIDEST);
-                room(&mut pattern.rows, ends[s] - end + below.len())?;
-                pattern.rows.extend(end as u32..ends[s] as u32);
+            let end = first + node.columns;
+            for start in (first..end).step_by(WIDEST) {
+                let cut = end.min(start + WIDEST);
+                room(&mut pattern.rows, end - cut + below.len())?;
+                pattern.rows.extend(cut as u32..end as u32);
                 pattern.rows.extend_from_slice(&below);
-                pattern.push(start, end - start)?;
+                pattern.push(start, cut - start)?;
             }
+            first = end;
         }
         Ok(pattern)
     }

@@ -16,9 +16,10 @@ use crate::dense;
 /// matrix A (n x n), and solutions of `A X = B`.
 ///
 /// The rows are eliminated in the order of approximate minimum degree (Amestoy, Davis and Duff
-/// 1996), or in a given one, by supernodes. [`Cholesky::analyse`] finds the order and the pattern
-/// of L; [`Cholesky::factor`] computes L, any number of times for other values in the same places.
-/// Results are the same, bit for bit, for any number of threads.
+/// 1996), from 100,000 rows on after nested dissection, or in a given one, by supernodes.
+/// [`Cholesky::analyse`] finds the order and the pattern of L; [`Cholesky::factor`] computes L, any
+/// number of times for other values in the same places. Results are the same, bit for bit, for any
+/// number of threads.
 ///
 /// **Semidefinite matrices.** With [`CholeskyOptions::semidefinite`], a row whose pivot is zero up
 /// to rounding is held ([`Cholesky::held`]): its unknown is 0, and its equation is left out. If
@@ -99,7 +100,7 @@ impl Cholesky {
     ///
     /// # Errors
     /// [`Error::Shape`] of "A" when it is not square, and of "order"; [`Error::Argument`] of "A"
-    /// with 2^32 - 1 rows or more, of "order" and of "tolerance"; [`Error::OutOfMemory`],
+    /// with 2^31 rows or more, of "order" and of "tolerance"; [`Error::OutOfMemory`],
     /// [`Error::Cancelled`].
     pub fn analyse<T: Copy>(a: CsMatView<'_, T>, options: &CholeskyOptions<'_>) -> Result<Self> {
         let tolerance = options.tolerance_for(a.rows())?;
