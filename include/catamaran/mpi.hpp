@@ -1,4 +1,4 @@
-// Products, eigenpairs and orthonormal columns over the ranks of an MPI communicator. Not part of
+// Products, least squares, eigenpairs and orthonormal columns over the ranks of an MPI communicator. Not part of
 // catamaran.hpp: it needs <mpi.h>.
 
 #ifndef CATAMARAN_MPI_HPP
@@ -10,8 +10,10 @@
 
 #include "../catamaran_mpi.h"
 #include "eigs.hpp"
+#include "gram.hpp"
 
 #include <memory>
+#include <optional>
 
 namespace catamaran {
 
@@ -162,6 +164,27 @@ inline symmetric ata_columns(const world& ranks, matrix_view<const double> colum
                                        columns.rows, columns.cols, alpha, columns.data,
                                        columns.leading, call.params(), &made));
     return symmetric(made);
+}
+
+/// lstsq where `a`, `b` and `weights` are of own rows, with weights on all ranks or on none; every
+/// rank gets the whole result, with the same bytes for any number of ranks. Collective:
+/// cata_world_lstsq.
+inline least_squares lstsq(const world& ranks, matrix_view<const double> a,
+                           matrix_view<const double> b, const std::vector<double>& weights = {},
+                           const lstsq_options& how = {}) {
+    b = detail::in_layout(b, a.order);
+    std::optional<detail::lstsq_call> call;
+    const detail::preparation own(
+        a.rows == b.rows && a.order == b.order && detail::fit(weights, a.rows),
+        "b, weights: must have own rows, and b the layout of a",
+        [&] { call.emplace(how, a.order, a.cols, b.cols); });
+    const cata_status status = cata_world_lstsq(
+        ranks.get(), static_cast<std::int32_t>(a.order), a.rows, a.cols, b.cols, a.data,
+        own.leading(a.leading), b.data, b.leading, own.diagonal(weights),
+        call ? call->x() : nullptr, call ? call->leading() : 0, call ? call->result() : nullptr,
+        call ? call->params() : nullptr);
+    own.finish();
+    return call->finish(status);
 }
 
 /// A block-cyclic matrix of doubles, as ScaLAPACK has it.

@@ -90,6 +90,31 @@ void spectra(const catamaran::world& world) {
     CHECK(status_of([&] { catamaran::eigs(world, rows, n, 2, {}, how); }) == CATA_ERR_CANCELLED);
 }
 
+// b = 1 + 2 t, two rows on each rank; a third one, which is elsewhere, has no weight.
+void lines(const catamaran::world& world) {
+    const double first = static_cast<double>(2 * world.rank());
+    const std::vector<double> t{first, first + 1, 5}, b{1 + 2 * first, 3 + 2 * first, 99};
+    const std::size_t last = world.size() - 1;
+    catamaran::lstsq_options how;
+    how.intercept = true;
+    const auto a = catamaran::row_major(t.data(), 3, 1);
+    for (const auto& targets :
+         {catamaran::row_major(b.data(), 3, 1), catamaran::col_major(b.data(), 3, 1)}) {
+        const auto found = catamaran::lstsq(world, a, targets, {1, 1, 0}, how);
+        CHECK(found.coefficients == std::vector<double>{2});
+        CHECK(found.intercepts == std::vector<double>{1});
+        CHECK(found.rank == 1 && found.observations == 2 * world.size());
+    }
+    CHECK(status_of([&] {
+              const std::vector<double> weights(world.rank() == last ? 1 : 3, 1.0);
+              catamaran::lstsq(world, a, catamaran::row_major(b.data(), 3, 1), weights, how);
+          }) == (world.rank() == last ? CATA_ERR_SHAPE : CATA_ERR_RANK));
+    how.progress = [](double) { return false; };
+    CHECK(status_of([&] {
+              catamaran::lstsq(world, a, catamaran::row_major(b.data(), 3, 1), {}, how);
+          }) == CATA_ERR_CANCELLED);
+}
+
 // The third column is twice the first.
 void columns(const catamaran::world& world) {
     std::vector<double> data(15);
@@ -128,6 +153,7 @@ void memory(const catamaran::world& world) {
         }
     };
     fails([&] { catamaran::eigs(world, identity, world.size(), 1); });
+    fails([&] { catamaran::lstsq(world, a, a); });
     fails([&] { catamaran::gram_schmidt(world, a); });
     fails([&] { catamaran::cholesky_qr(world, a); });
     fails([&] { product.gather(world, last); });
@@ -144,6 +170,7 @@ int main(int argc, char** argv)
         products(world);
         cyclic_products(world);
         spectra(world);
+        lines(world);
         columns(world);
         memory(world);
     }
