@@ -19,7 +19,7 @@ use std::ffi::{c_char, c_void};
 use super::boundary::{boundary, path};
 use super::outputs::{copy, element, fill_mesh, tell, write_text};
 use super::params::{Params, flag, init, params, read_or_zeros};
-use super::pointer::{free, hand_over, known, known_mut, mesh, output, slice, slice_mut};
+use super::pointer::{free, hand_over, known, known_mut, mesh_arrays, output, slice, slice_mut};
 use super::progress::cata_progress;
 use super::status::{Failure, cata_status};
 use catamaran::io::{Output, Overwrite, SourceOptions};
@@ -107,7 +107,8 @@ pub unsafe extern "C" fn cata_mesh_file_params_init(
     unsafe { init(params, struct_size) }
 }
 
-/// Creates a mesh without attributes, of which it keeps a copy.
+/// Creates a mesh without attributes, of which it keeps a copy. Triangles that have a vertex twice
+/// are left out, as those of files are; cata_mesh_file_notes counts them.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -122,9 +123,10 @@ pub unsafe extern "C" fn cata_mesh_file_new(
     boundary(|| {
         // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `file`, one
         // value).
-        let (mesh, place) =
-            unsafe { (mesh(n_vertices, vertices, n_faces, faces)?, output("file", file)?) };
-        hand_over(place, cata_mesh_file { file: mesh.into() });
+        let ((vertices, faces), place) =
+            unsafe { (mesh_arrays(n_vertices, vertices, n_faces, faces)?, output("file", file)?) };
+        let file = MeshFile::from_arrays(vertices.to_vec(), faces.to_vec())?;
+        hand_over(place, cata_mesh_file { file });
         Ok(())
     })
 }

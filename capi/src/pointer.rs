@@ -458,11 +458,29 @@ pub(super) unsafe fn mesh(
     n_faces: usize,
     faces: *const u32,
 ) -> Result<TriMesh, Failure> {
+    // SAFETY: the contract of this function is that of `mesh_arrays`.
+    let (vertices, faces) = unsafe { mesh_arrays(n_vertices, vertices, n_faces, faces)? };
+    Ok(TriMesh::new(vertices.to_vec(), faces.to_vec())?)
+}
+
+/// The positions and the triangles of a mesh that a caller has.
+#[cfg(feature = "chapters")]
+pub(super) type MeshArrays<'a> = (&'a [[f64; 3]], &'a [[u32; 3]]);
+
+/// Returns the arrays of a mesh.
+///
+/// # Safety
+/// As [`slice`], for 3 numbers of each vertex and 3 indices of each face.
+#[cfg(feature = "chapters")]
+pub(super) unsafe fn mesh_arrays<'a>(
+    n_vertices: usize,
+    vertices: *const f64,
+    n_faces: usize,
+    faces: *const u32,
+) -> Result<MeshArrays<'a>, Failure> {
     let (vertices, faces) = (vertices.cast::<[f64; 3]>(), faces.cast::<[u32; 3]>());
     // SAFETY: clause `memory`: 3 numbers of each vertex and 3 indices of each face.
-    let (vertices, faces) =
-        unsafe { (slice("vertices", vertices, n_vertices)?, slice("faces", faces, n_faces)?) };
-    Ok(TriMesh::new(vertices.to_vec(), faces.to_vec())?)
+    unsafe { Ok((slice("vertices", vertices, n_vertices)?, slice("faces", faces, n_faces)?)) }
 }
 
 /// Returns elements to write, or `None` for NULL.

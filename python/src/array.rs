@@ -115,7 +115,9 @@ impl<'py, T: Scalar> Array<'py, T> {
         if !dimensions.contains(&found) {
             let wanted: Vec<_> = dimensions.iter().map(usize::to_string).collect();
             let wanted = wanted.join(" or ");
-            let why = format!("{name}: expected an array of {wanted} dimensions, got {found}");
+            let plural = if wanted == "1" { "" } else { "s" };
+            let why =
+                format!("{name}: expected an array of {wanted} dimension{plural}, got {found}");
             return Err(PyValueError::new_err(why));
         }
         if !is_of::<T>(&array) || layout::<T>(&array).is_none() {

@@ -61,7 +61,7 @@ def test_what_a_stack_of_matrices_does_not_take(options):
         ({"reproducible": "x"}, TypeError, "reproducible: 'str' object"),
         ({"weights": np.ones(3)}, ValueError, "weights: expected 4 x 1, got 3 x 1"),
         ({"weights": [1, 2, np.nan, 3]}, ValueError, "weights: not finite at row 2"),
-        ({"weights": np.ones((4, 1))}, ValueError, "weights: expected an array of 1 dimensions"),
+        ({"weights": np.ones((4, 1))}, ValueError, "weights: expected an array of 1 dimension,"),
         ({"center": np.ones(4)}, ValueError, "center: expected 3 x 1, got 4 x 1"),
         ({"center": "median"}, ValueError, "center: 'median' is not one of"),
         ({"weights": [1, -1, 1, -1], "center": True}, ValueError, "weights"),

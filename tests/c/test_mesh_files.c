@@ -215,6 +215,19 @@ static int32_t cancel(double fraction, void *user)
     return 1;
 }
 
+/* As a reader of files: C programs repair what other programs wrote. */
+static void test_triangles_with_a_vertex_twice_are_left_out(void)
+{
+    const uint32_t found[9] = {0, 1, 1, 0, 1, 2, 0, 2, 3};
+    cata_mesh_file *file = NULL;
+    size_t notes = 0, collapsed = 0;
+    CHECK_STATUS(cata_mesh_file_new(4, corners, 3, found, &file), CATA_OK);
+    check_square(file);
+    CHECK_STATUS(cata_mesh_file_notes(file, &notes, &collapsed), CATA_OK);
+    CHECK(notes == 1 && collapsed == 1);
+    cata_mesh_file_free(file);
+}
+
 static void test_refusals(void)
 {
     cata_mesh_file *file = square(), *none = NULL;
@@ -262,6 +275,7 @@ int main(void)
     test_attributes_stay();
     test_functions_on_vertices();
     test_files();
+    test_triangles_with_a_vertex_twice_are_left_out();
     test_refusals();
     return report("test_mesh_files");
 }

@@ -728,6 +728,18 @@ fn differences_have_exact_values() {
 }
 
 #[test]
+fn vertices_without_a_face_are_no_part_of_a_comparison() {
+    let square = families::grid(1, 1).unwrap();
+    let mut vertices = square.vertices().to_vec();
+    vertices.push([0.0, 0.0, 7.0]);
+    let stray = TriMesh::new(vertices, square.faces().to_vec()).unwrap();
+    for [a, b] in [[&square, &stray], [&stray, &square]] {
+        let found = Comparison::between(a, b, Par::Seq).unwrap();
+        assert_eq!((found.out.largest, found.back.largest), (0.0, 0.0));
+    }
+}
+
+#[test]
 fn meshes_beyond_the_range_of_areas_are_not_compared() {
     let square = families::grid(1, 1).unwrap();
     let far = square.vertices().iter().map(|p| p.map(|x| 1e80 * x)).collect();

@@ -1,5 +1,6 @@
 use super::super::{Part, TriMesh};
 use super::labels::{Labels, check_name};
+use super::notes::{COLLAPSED, Notes};
 use catamaran::base::{Error, Result};
 
 /// The content of a mesh file: a mesh with colours, texture coordinates, normals, materials,
@@ -39,6 +40,25 @@ pub struct MeshFile {
     /// What the reader left out or replaced, one line each; empty for a mesh that was not read from
     /// a file.
     pub notes: Vec<String>,
+}
+
+impl MeshFile {
+    /// Creates a mesh of arrays as other programs have them: triangles that have a vertex twice are
+    /// left out, counted and noted, as by the readers of files.
+    ///
+    /// # Errors
+    /// Those of [`TriMesh::new`], with the numbers that faces have without these triangles.
+    pub fn from_arrays(vertices: Vec<[f64; 3]>, mut faces: Vec<[u32; 3]>) -> Result<Self> {
+        let collapsed = |&[a, b, c]: &[u32; 3]| a == b || b == c || c == a;
+        let (all, first) = (faces.len(), faces.iter().position(collapsed));
+        faces.retain(|face| !collapsed(face));
+        let collapsed_faces = all - faces.len();
+        let mut notes = Notes::default();
+        let place = || format!("face {}", first.unwrap_or_default());
+        notes.add_many(COLLAPSED, collapsed_faces, place);
+        let notes = notes.lines();
+        Ok(Self { collapsed_faces, notes, ..TriMesh::new(vertices, faces)?.into() })
+    }
 }
 
 impl From<TriMesh> for MeshFile {

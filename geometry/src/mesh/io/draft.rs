@@ -3,7 +3,7 @@ use std::hash::Hash;
 
 use super::super::{Part, TriMesh};
 use super::attributes::MeshFile;
-use super::notes::Notes;
+use super::notes::{COLLAPSED, Notes};
 use super::polygon::{corners_of, fan, not_a_fan};
 use catamaran::base::{Error, Result, push};
 use catamaran::io::Source;
@@ -83,9 +83,6 @@ impl<K: Eq + Hash> Numbers<K> {
 pub(super) fn bits<const N: usize>(values: [f64; N]) -> [u64; N] {
     values.map(|x| (x + 0.0).to_bits())
 }
-
-/// The note about triangles that have a vertex twice.
-const COLLAPSED: &str = "left out triangles that have a vertex twice";
 
 /// A mesh that is being read.
 #[derive(Default)]

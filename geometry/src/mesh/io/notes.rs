@@ -2,6 +2,9 @@
 
 use std::borrow::Cow;
 
+/// The note about triangles that have a vertex twice.
+pub(super) const COLLAPSED: &str = "left out triangles that have a vertex twice";
+
 /// Kinds of things that a reader left out or replaced, each with a count and the position of the
 /// first.
 #[derive(Default)]
