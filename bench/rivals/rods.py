@@ -1,14 +1,17 @@
 """Plants and beams in motion by other libraries.
 
-    rods.py FOLDER RIVAL ITERATIONS   reads parents, heads, tails, radii, moduli, shears, masses, step, frames and damping of
-                                        FOLDER, .npy each, in SI units with z upwards; writes theirs.npy, the tails after
-                                        so many steps of that length from rest, and prints: median seconds of a step,
-                                        bytes, seconds of the preparation, the largest gap between segments in metres
+    rods.py FOLDER RIVAL ITERATIONS
 
-Rivals: pypbd (the direct solver for stiff rods of Deul, Kugelstadt, Weiler and Bender 2018 by their authors; ITERATIONS of
-Newton's method a step; it has no damping, so velocities are multiplied between steps, which is not timed) and elastica
-(PyElastica: a Cosserat rod with stretch and shear, whose explicit steps are STABLE of the shortest wave; only a uniform rod
-without branches; the compilation by numba is not timed).
+It reads parents, heads, tails, radii, moduli, shears, masses, step, frames and damping of FOLDER,
+.npy each, in SI units with z upwards; writes theirs.npy, the tails after so many steps of that
+length from rest, and prints: median seconds of a step, bytes, seconds of the preparation, the
+largest gap between segments in metres.
+
+Rivals: pypbd (the direct solver for stiff rods of Deul, Kugelstadt, Weiler and Bender 2018 by their
+authors; ITERATIONS of Newton's method a step; it has no damping, so velocities are multiplied
+between steps, which is not timed) and elastica (PyElastica: a Cosserat rod with stretch and shear,
+whose explicit steps are STABLE of the shortest wave; only a uniform rod without branches; the
+compilation by numba is not timed).
 """
 
 import contextlib
@@ -20,17 +23,17 @@ import time
 
 import numpy as np
 
-# A joint of pypbd has a modulus, a radius and a length; only their quotient, the stiffness, matters.
+# A joint of pypbd has a modulus, a radius and a length; only its stiffness, from all, matters.
 RADIUS = 1e-3
 INERTIA = np.pi / 4 * RADIUS**4
 
-# Explicit steps as a part of the time in which a wave of stretch crosses a segment, or one of shear the radius; twice as
-# long ones are unstable.
+# Explicit steps as a part of the time in which a wave of stretch crosses a segment, or one of shear
+# the radius; twice as long ones are unstable.
 STABLE = 0.5
 
 
 def joint_stiffness(parents, lengths, radii, moduli, shears):
-    """Bending and twisting stiffness of the joint to the parent: compliances of two half segments are added."""
+    """Bending and twisting stiffness of joints to parents: compliances of halves are added."""
     moment = np.pi / 4 * radii**4
     bend, twist = lengths / (2 * moduli * moment), lengths / (4 * shears * moment)
     above = np.where(parents >= 0, parents, 0)
@@ -79,12 +82,12 @@ def pypbd_steps(plant, iterations):
         one.setMass(mass)
         one.setInertiaTensor(inertia)
         # The centre of the mesh is that of the body.
-        for set in (one.setPosition, one.setPosition0, one.setOldPosition, one.setLastPosition):
-            set(middle)
+        for place in (one.setPosition, one.setPosition0, one.setOldPosition, one.setLastPosition):
+            place(middle)
         one.setRotationMatrix(rotation)
         q = quaternion(rotation)
-        for set in (one.setRotation, one.setRotation0, one.setOldRotation, one.setLastRotation):
-            set(q)
+        for turn in (one.setRotation, one.setRotation0, one.setOldRotation, one.setLastRotation):
+            turn(q)
         one.rotationUpdated()
         return one
 

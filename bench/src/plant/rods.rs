@@ -65,12 +65,11 @@ struct Run {
 }
 
 fn ours(iterations: usize) -> Solver {
-    let name = format!("ours, {iterations} iterations");
-    Solver { name, iterations, rival: None }
+    Solver { name: format!("ours, iterations: {iterations}"), iterations, rival: None }
 }
 
 fn pypbd(iterations: usize) -> Solver {
-    Solver { name: format!("pypbd, {iterations} iterations"), iterations, rival: Some("pypbd") }
+    Solver { name: format!("pypbd, iterations: {iterations}"), iterations, rival: Some("pypbd") }
 }
 
 /// Races steps of plants that fall into their pose, on one thread: seconds of a step, how far its
@@ -86,7 +85,7 @@ pub fn rods(subjects: &[Subject], repeat: usize, libraries: &Path) -> Result<Par
         let problem = Problem::of_plant(&subject.plant)?;
         let folder = tempfile::tempdir()?;
         problem.write(folder.path())?;
-        let solvers = [ours(1), ours(3), pypbd(1), pypbd(3), pypbd(5)];
+        let solvers = [ours(1), ours(2), ours(3), pypbd(1), pypbd(2), pypbd(3), pypbd(5)];
         let solved = problem.run(&ours(SOLVED), folder.path(), None)?;
         let theirs = problem.attempt(&pypbd(SOLVED), folder.path(), python.as_deref());
         let mut runs: Vec<Vec<Run>> = solvers.iter().map(|_| vec![]).collect();
