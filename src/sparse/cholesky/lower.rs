@@ -30,6 +30,37 @@ impl Lower {
             let why = format!("{n} rows, {} are possible", i32::MAX);
             return Err(Error::Argument { what: "A", why });
         }
+        match is_by_columns(a, triangle) {
+            true => Self::of_columns(a, triangle),
+            false => Self::of_rows(a, triangle),
+        }
+    }
+
+    /// Computes [`Lower::new`] where the lines of the matrix have the columns of the lower triangle
+    /// as their ends.
+    fn of_columns<T: Copy>(a: CsMatView<'_, T>, triangle: Triangle) -> Result<Self> {
+        let n = a.rows();
+        let after = |j: usize, indices: &[usize]| indices.partition_point(|&i| i <= j);
+        let mut starts = reserved(n + 1)?;
+        starts.push(0);
+        let mut all = 0;
+        for (j, line) in a.outer_iterator().enumerate() {
+            all += 1 + line.nnz() - after(j, line.indices());
+            starts.push(all);
+        }
+        let mut rows = reserved(all)?;
+        for (j, line) in a.outer_iterator().enumerate() {
+            spend(READ * line.nnz() as f64)?;
+            rows.push(j);
+            rows.extend_from_slice(&line.indices()[after(j, line.indices())..]);
+        }
+        Ok(Self { triangle, starts, rows })
+    }
+
+    /// Computes [`Lower::new`] where the lines of the matrix have the rows of the lower triangle as
+    /// their begins.
+    fn of_rows<T: Copy>(a: CsMatView<'_, T>, triangle: Triangle) -> Result<Self> {
+        let n = a.rows();
         let mut starts = repeated(1usize, n + 1)?;
         starts[0] = 0;
         for_each(a, triangle, |row, column, _| {
@@ -120,6 +151,16 @@ impl Lower {
     }
 }
 
+/// Returns whether columns of the lower triangle are read from the ends of the lines of a matrix: of
+/// two equal triangles always.
+fn is_by_columns<T>(a: CsMatView<'_, T>, triangle: Triangle) -> bool {
+    match triangle {
+        Triangle::Both => true,
+        Triangle::Lower => a.is_csc(),
+        Triangle::Upper => a.is_csr(),
+    }
+}
+
 /// Calls `visit(row, column, entry)` for the entries of a triangle, as those of the lower one. The
 /// rows of each column ascend.
 fn for_each<T: Copy>(
@@ -127,12 +168,7 @@ fn for_each<T: Copy>(
     triangle: Triangle,
     mut visit: impl FnMut(usize, usize, T) -> Result<()>,
 ) -> Result<()> {
-    // Of two equal triangles, that which is stored as the columns of the lower one.
-    let is_after = match triangle {
-        Triangle::Both => true,
-        Triangle::Lower => a.is_csc(),
-        Triangle::Upper => a.is_csr(),
-    };
+    let is_after = is_by_columns(a, triangle);
     for (outer, line) in a.outer_iterator().enumerate() {
         spend(READ * line.nnz() as f64)?;
         for (inner, &x) in line.iter() {

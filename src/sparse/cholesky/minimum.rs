@@ -45,17 +45,30 @@ pub(super) fn minimum_degree(graph: &Graph, stages: Option<&Lists>) -> Result<Li
     quotient.groups()
 }
 
+/// The list of a vertex or an element.
+#[derive(Debug, Clone, Copy)]
+struct Head {
+    at: usize,
+    len: u32,
+    /// The first ones of a vertex are elements.
+    elements: u32,
+}
+
+/// The neighbours in a list of vertices of the same degree.
+#[derive(Debug, Clone, Copy)]
+struct Link {
+    next: u32,
+    previous: u32,
+}
+
 struct Quotient {
     n: usize,
     /// Members of elements; elements and neighbours of vertices.
     lists: Vec<u32>,
     /// Where free places begin.
     free: usize,
-    /// Where the list of each vertex or element begins, and its length.
-    at: Vec<usize>,
-    len: Vec<u32>,
-    /// Elements of the list of a vertex.
-    elements: Vec<u32>,
+    /// Where the list of each vertex or element is.
+    heads: Vec<Head>,
     /// Number of vertices that a vertex stands for, 0 if another stands for it or it is eliminated;
     /// less than 0 while it is a member of the element that is made.
     weight: Vec<i32>,
@@ -71,8 +84,7 @@ struct Quotient {
     since: u32,
     /// The vertices of each degree as doubly linked lists.
     first: Vec<u32>,
-    next: Vec<u32>,
-    previous: Vec<u32>,
+    links: Vec<Link>,
     /// No degree is smaller.
     least: usize,
     /// Vertices that are left, except those of very high degree.
@@ -91,13 +103,15 @@ impl Quotient {
     fn new(graph: &Graph, stages: Option<&Lists>) -> Result<Self> {
         let n = graph.n();
         let entries = graph.neighbours.len();
-        let mut lists = reserved(entries + entries / 4 + n + 1)?;
+        let room = entries + entries / 4 + n + 1;
+        let mut lists = reserved(room)?;
         lists.extend_from_slice(&graph.neighbours);
-        let (mut at, mut len) = (reserved(n)?, reserved(n)?);
-        at.extend_from_slice(&graph.starts[..n]);
-        len.extend((0..n).map(|v| graph.degree(v) as u32));
+        lists.resize(room, 0);
         let mut degree = reserved(n)?;
-        degree.extend_from_slice(&len);
+        degree.extend((0..n).map(|v| graph.degree(v) as u32));
+        let mut heads = reserved(n)?;
+        let of = |v: usize| Head { at: graph.starts[v], len: graph.degree(v) as u32, elements: 0 };
+        heads.extend((0..n).map(of));
         let mut stage = Vec::new();
         if let Some(stages) = stages {
             stage = repeated(0, n)?;
@@ -109,9 +123,7 @@ impl Quotient {
             n,
             free: entries,
             lists,
-            at,
-            len,
-            elements: repeated(0, n)?,
+            heads,
             weight: repeated(1, n)?,
             degree,
             mark: repeated(1, n)?,
@@ -119,8 +131,7 @@ impl Quotient {
             flag: 2,
             since: 2,
             first: repeated(NONE, n.max(1))?,
-            next: repeated(NONE, n)?,
-            previous: repeated(ABSENT, n)?,
+            links: repeated(Link { next: NONE, previous: ABSENT }, n)?,
             least: 0,
             left: n,
             entered: 0,
@@ -134,7 +145,7 @@ impl Quotient {
         for v in 0..n {
             if quotient.degree[v] > high {
                 quotient.weight[v] = 0;
-                quotient.len[v] = 0;
+                quotient.heads[v].len = 0;
                 quotient.left -= 1;
             }
         }
@@ -152,26 +163,26 @@ impl Quotient {
     fn link(&mut self, v: usize, degree: usize) {
         let next = std::mem::replace(&mut self.first[degree], v as u32);
         if next != NONE {
-            self.previous[next as usize] = v as u32;
+            self.links[next as usize].previous = v as u32;
         }
-        self.next[v] = next;
-        self.previous[v] = NONE;
+        self.links[v].next = next;
+        self.links[v].previous = NONE;
         self.least = self.least.min(degree);
     }
 
     fn unlink(&mut self, v: usize) {
-        let (next, previous) = (self.next[v], self.previous[v]);
+        let (next, previous) = (self.links[v].next, self.links[v].previous);
         if previous == ABSENT {
             return;
         }
         if next != NONE {
-            self.previous[next as usize] = previous;
+            self.links[next as usize].previous = previous;
         }
         match previous {
             NONE => self.first[self.degree[v] as usize] = next,
-            previous => self.next[previous as usize] = next,
+            previous => self.links[previous as usize].next = next,
         }
-        self.previous[v] = ABSENT;
+        self.links[v].previous = ABSENT;
     }
 
     fn eliminate_all(&mut self) -> Result<()> {
@@ -189,8 +200,8 @@ impl Quotient {
         let own = self.weight[pivot];
         self.weight[pivot] = -own;
         let (members, size) = self.gather(pivot)?;
-        self.at[pivot] = members.start;
-        self.len[pivot] = members.len() as u32;
+        self.heads[pivot].at = members.start;
+        self.heads[pivot].len = members.len() as u32;
         self.degree[pivot] = size;
         let looked = self.mark_elements(members.clone());
         let eliminated = self.shorten_lists(pivot, members.clone());
@@ -200,7 +211,7 @@ impl Quotient {
         self.entered -= (own + eliminated) as usize;
         self.merge(members.clone());
         let end = self.enter_again(pivot, members.clone(), size);
-        self.len[pivot] = (end - members.start) as u32;
+        self.heads[pivot].len = (end - members.start) as u32;
         self.weight[pivot] = 0;
         if end == members.start {
             self.mark[pivot] = 0;
@@ -219,14 +230,15 @@ impl Quotient {
             self.mark.iter_mut().filter(|mark| **mark != 0).for_each(|mark| *mark = 1);
             self.flag = 2;
         }
-        let Self { lists, at, len, elements, weight, degree, mark, .. } = self;
+        let Self { lists, heads, weight, degree, mark, .. } = self;
         let (mark, flag) = (&mut mark[..], self.flag);
         let (mut highest, mut looked) = (flag, members.len());
         for &v in &lists[members] {
             let v = v as usize;
             let weight = -weight[v] as u32;
-            looked += len[v] as usize;
-            for &e in &lists[at[v]..][..elements[v] as usize] {
+            let head = heads[v];
+            looked += head.len as usize;
+            for &e in &lists[head.at..][..head.elements as usize] {
                 let mark = &mut mark[e as usize];
                 if *mark >= flag {
                     *mark -= weight;
@@ -246,13 +258,14 @@ impl Quotient {
     /// degrees, and puts them into the table of equal lists. Those with nothing else in their lists
     /// are eliminated with the pivot; returns how many vertices they stand for.
     fn shorten_lists(&mut self, pivot: usize, members: Range<usize>) -> i32 {
-        let Self { lists, at, len, elements, weight, mark, table, stage, since: flag, .. } = self;
+        let Self { lists, heads, weight, mark, table, stage, since: flag, .. } = self;
         let (lists, mark, weight) = (&mut lists[..], &mut mark[..], &mut weight[..]);
         let mut eliminated = 0;
         for place in members {
             let v = lists[place] as usize;
-            let begin = at[v];
-            let (middle, end) = (begin + elements[v] as usize, begin + len[v] as usize);
+            let head = &mut heads[v];
+            let begin = head.at;
+            let (middle, end) = (begin + head.elements as usize, begin + head.len as usize);
             let (mut degree, mut hash, mut to) = (0u32, 0u32, begin);
             for k in begin..middle {
                 let e = lists[k];
@@ -284,15 +297,15 @@ impl Quotient {
                 continue;
             }
             self.degree[v] = self.degree[v].min(degree);
-            elements[v] = (others - begin) as u32 + 1;
-            len[v] = (to - begin) as u32 + 1;
+            head.elements = (others - begin) as u32 + 1;
+            head.len = (to - begin) as u32 + 1;
             // There is room where the pivot was, or one of its elements.
             lists[to] = lists[others];
             lists[others] = lists[begin];
             lists[begin] = pivot as u32;
             // Until degrees are known, the lists of a place of the table.
-            self.previous[v] = hash;
-            self.next[v] = std::mem::replace(&mut table[hash as usize % TABLE], v as u32);
+            self.links[v].previous = hash;
+            self.links[v].next = std::mem::replace(&mut table[hash as usize % TABLE], v as u32);
         }
         eliminated
     }
@@ -315,7 +328,7 @@ impl Quotient {
             to += 1;
             match self.is_same_stage(v, pivot) {
                 true => self.link(v, degree as usize),
-                false => self.previous[v] = ABSENT,
+                false => self.links[v].previous = ABSENT,
             }
         }
         to
@@ -328,11 +341,11 @@ impl Quotient {
     /// Lists the members of the element of a pivot, and takes them out of the lists of their
     /// degrees. Returns where they are, and the number of vertices that they stand for.
     fn gather(&mut self, pivot: usize) -> Result<(Range<usize>, u32)> {
-        let elements = self.elements[pivot] as usize;
-        let own = self.len[pivot] as usize;
+        let elements = self.heads[pivot].elements as usize;
+        let own = self.heads[pivot].len as usize;
         let mut size = 0;
         if elements == 0 {
-            let start = self.at[pivot];
+            let start = self.heads[pivot].at;
             let mut to = start;
             for place in start..start + own {
                 let v = self.lists[place];
@@ -340,21 +353,21 @@ impl Quotient {
             }
             return Ok((start..to, size));
         }
-        let joined = &self.lists[self.at[pivot]..][..elements];
-        let most = joined.iter().map(|&e| self.len[e as usize] as usize).sum::<usize>();
+        let joined = &self.lists[self.heads[pivot].at..][..elements];
+        let most = joined.iter().map(|&e| self.heads[e as usize].len as usize).sum::<usize>();
         let most = most + own - elements;
         if self.free + most > self.lists.len() {
             self.compact(most)?;
         }
-        let (begin, start) = (self.at[pivot], self.free);
+        let (begin, start) = (self.heads[pivot].at, self.free);
         let mut to = start;
         for k in begin..begin + elements {
             let e = self.lists[k] as usize;
-            for place in self.at[e]..self.at[e] + self.len[e] as usize {
+            for place in self.heads[e].at..self.heads[e].at + self.heads[e].len as usize {
                 let v = self.lists[place];
                 to += usize::from(self.take(v as usize, to, &mut size));
             }
-            self.len[e] = 0;
+            self.heads[e].len = 0;
             self.mark[e] = 0;
         }
         for place in begin + elements..begin + own {
@@ -384,8 +397,8 @@ impl Quotient {
     fn compact(&mut self, more: usize) -> Result<()> {
         for v in 0..self.n {
             if self.is_listed(v) {
-                let at = self.at[v];
-                self.at[v] = self.lists[at] as usize;
+                let at = self.heads[v].at;
+                self.heads[v].at = self.lists[at] as usize;
                 self.lists[at] = MOVED | v as u32;
             }
         }
@@ -397,10 +410,10 @@ impl Quotient {
                 continue;
             }
             let v = (item & !MOVED) as usize;
-            let len = self.len[v] as usize;
-            self.lists[from] = self.at[v] as u32;
+            let len = self.heads[v].len as usize;
+            self.lists[from] = self.heads[v].at as u32;
             self.lists.copy_within(from..from + len, to);
-            self.at[v] = to;
+            self.heads[v].at = to;
             (from, to) = (from + len, to + len);
         }
         self.free = to;
@@ -412,7 +425,8 @@ impl Quotient {
 
     /// Returns whether a list of a vertex or an element is still read.
     fn is_listed(&self, v: usize) -> bool {
-        self.len[v] > 0 && (self.weight[v] != 0 || (self.into[v] == NONE && self.mark[v] != 0))
+        self.heads[v].len > 0
+            && (self.weight[v] != 0 || (self.into[v] == NONE && self.mark[v] != 0))
     }
 
     /// Merges members of an element, which are in the table, that have the same neighbours.
@@ -424,10 +438,10 @@ impl Quotient {
             }
             // All others of the same place of the table.
             let mut one =
-                std::mem::replace(&mut self.table[self.previous[v] as usize % TABLE], NONE);
-            while one != NONE && self.next[one as usize] != NONE {
+                std::mem::replace(&mut self.table[self.links[v].previous as usize % TABLE], NONE);
+            while one != NONE && self.links[one as usize].next != NONE {
                 self.merge_into(one as usize);
-                one = self.next[one as usize];
+                one = self.links[one as usize].next;
             }
         }
     }
@@ -435,33 +449,35 @@ impl Quotient {
     /// Merges into a vertex those after it in the list of its place of the table that have the same
     /// elements and neighbours.
     fn merge_into(&mut self, v: usize) {
-        let (len, elements, hash) = (self.len[v], self.elements[v], self.previous[v]);
+        let (len, elements, hash) =
+            (self.heads[v].len, self.heads[v].elements, self.links[v].previous);
         let mut is_marked = false;
-        let (mut before, mut other) = (v, self.next[v]);
+        let (mut before, mut other) = (v, self.links[v].next);
         while other != NONE {
             let o = other as usize;
-            let is_like = self.previous[o] == hash
-                && self.len[o] == len
-                && self.elements[o] == elements
+            let is_like = self.links[o].previous == hash
+                && self.heads[o].len == len
+                && self.heads[o].elements == elements
                 && self.is_same_stage(o, v);
             // All have the element that is made as their first.
             let mut is_same = is_like;
             if is_like {
                 if !is_marked {
-                    for &item in &self.lists[self.at[v] + 1..self.at[v] + len as usize] {
+                    for &item in &self.lists[self.heads[v].at + 1..self.heads[v].at + len as usize]
+                    {
                         self.mark[item as usize] = self.flag;
                     }
                     is_marked = true;
                 }
-                let items = &self.lists[self.at[o] + 1..self.at[o] + len as usize];
+                let items = &self.lists[self.heads[o].at + 1..self.heads[o].at + len as usize];
                 is_same = items.iter().all(|&item| self.mark[item as usize] == self.flag);
             }
-            other = self.next[o];
+            other = self.links[o].next;
             if is_same {
                 self.into[o] = v as u32;
                 self.weight[v] += self.weight[o];
                 self.weight[o] = 0;
-                self.next[before] = other;
+                self.links[before].next = other;
             } else {
                 before = o;
             }

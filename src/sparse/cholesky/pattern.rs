@@ -93,30 +93,30 @@ impl Entries {
     pub fn new(matrix: SymbolicSparseColMatRef<'_, usize>, order: &[usize]) -> Result<Self> {
         let mut place = repeated(0u32, order.len())?;
         (0..).zip(order).for_each(|(i, &row)| place[row] = i);
-        let lower = || {
-            let place = &place;
-            (0..order.len()).flat_map(move |j| {
-                let entries = matrix.col_range(j).zip(matrix.row_idx_of_col_raw(j));
-                entries.filter(move |(_, i)| **i >= j).map(move |(at, &i)| {
-                    let (i, j) = (place[i], place[j]);
-                    (i.min(j), i.max(j), at)
-                })
-            })
-        };
-        let mut starts = repeated(0usize, order.len() + 1)?;
-        for (column, ..) in lower() {
-            starts[column as usize + 1] += 1;
+        // Counts of column j are two places behind it, so that filling moves them to their starts.
+        let n = order.len();
+        let mut starts = repeated(0usize, n + 2)?;
+        for j in 0..n {
+            let own = place[j];
+            for &i in matrix.row_idx_of_col_raw(j).iter().filter(|i| **i >= j) {
+                starts[place[i].min(own) as usize + 2] += 1;
+            }
         }
-        for j in 0..order.len() {
-            starts[j + 1] += starts[j];
+        for j in 2..n + 2 {
+            starts[j] += starts[j - 1];
         }
-        let mut next = reserved(starts.len())?;
-        next.extend_from_slice(&starts);
-        let mut places = repeated((0, 0), starts[order.len()])?;
-        for (column, row, at) in lower() {
-            places[next[column as usize]] = (row, at);
-            next[column as usize] += 1;
+        let mut places = repeated((0, 0), starts[n + 1])?;
+        for j in 0..n {
+            let own = place[j];
+            let entries = matrix.col_range(j).zip(matrix.row_idx_of_col_raw(j));
+            for (at, &i) in entries.filter(|(_, i)| **i >= j) {
+                let (column, row) = (place[i].min(own), place[i].max(own));
+                let next = &mut starts[column as usize + 1];
+                places[*next] = (row, at);
+                *next += 1;
+            }
         }
+        starts.truncate(n + 1);
         Ok(Self { starts, places })
     }
 
