@@ -32,6 +32,8 @@ mod resolve;
 mod result;
 mod size;
 mod solver;
+mod splits;
+mod strips;
 mod surface;
 mod topology;
 

@@ -1,13 +1,10 @@
 //! Splits long edges before a mesh is sampled (thesis, algorithm 5.3).
 
-use std::collections::HashMap;
-use std::collections::hash_map::Entry;
-use std::hash::BuildHasherDefault;
-
-use super::batches::Multiply;
+use super::splits::Splits;
+use super::strips::{cut_strip, slender};
 use crate::mesh::TriMesh;
-use crate::mesh::vector::{Vector, distance};
-use catamaran::base::{Error, Progress, Result, check_request, push, room};
+use crate::mesh::vector::{distance, doubled_normal, norm};
+use catamaran::base::{Error, Progress, Result, check_request, room};
 
 /// A mesh with its long edges split.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,8 +20,9 @@ pub struct Resampled {
 /// is split in all of its faces, so that no gaps arise. A face with one split edge becomes two
 /// faces; with two, a triangle and four triangles around the barycentre of the remaining
 /// quadrilateral; with three, four triangles (thesis, algorithm 5.3 and figure 5.4; lengths are
-/// measured again in every round). A quadrilateral more than four times as long as wide becomes two
-/// triangles instead.
+/// measured again in every round). A slender face, at most as high as `longest` and more than four
+/// times as long as high, becomes a strip of triangles between its sides instead, whose number is
+/// proportional to its length.
 ///
 /// ```
 /// use catamaran_geometry::{decimate::resample, mesh::families};
@@ -42,12 +40,8 @@ pub fn resample(mesh: &TriMesh, longest: f64) -> Result<Resampled> {
     resample_with(mesh, longest, Progress::none())
 }
 
-/// Most parts of a face that is split once.
+/// Most parts of a face that is no strip and is split once.
 const PARTS: usize = 5;
-
-/// Length over width above which a quadrilateral is cut along a diagonal. Around the barycentre, a
-/// needle would become five needles in each round.
-const SLENDER: f64 = 4.0;
 
 /// Bytes of a face, of its share of the vertices and of its parent.
 const BYTES_OF_A_FACE: f64 = 28.0;
@@ -61,9 +55,7 @@ pub(super) fn resample_with(
         let why = format!("must be positive, is {longest}");
         return Err(Error::Argument { what: "longest", why });
     }
-    // A triangle without a longer edge has at most this area.
-    let largest = longest * longest * 3f64.sqrt() / 4.0;
-    let least = mesh.area() / largest;
+    let least = least_faces(mesh, longest);
     if least > f64::from(u32::MAX) {
         let why =
             format!("{longest:e} needs at least {least:.1e} faces, more than a mesh can have");
@@ -71,75 +63,60 @@ pub(super) fn resample_with(
     }
     let request = format_args!("{longest:e}, at least {least:.1e} faces");
     check_request("longest", request, least * BYTES_OF_A_FACE)?;
-    let (mut vertices, mut faces) = (mesh.vertices().to_vec(), mesh.faces().to_vec());
+    let mut faces = mesh.faces().to_vec();
     let mut parents: Vec<u32> = (0..faces.len() as u32).collect();
-    let is_long = |vertices: &[Vector], a: u32, b: u32| {
-        distance(vertices[a as usize], vertices[b as usize]) > longest
-    };
-    let has_long = |vertices: &[Vector], [a, b, c]: [u32; 3]| {
-        is_long(vertices, a, b) || is_long(vertices, b, c) || is_long(vertices, c, a)
-    };
-    // The midpoint of a long edge is shared by all of its faces.
+    let mut splits = Splits::new(mesh.vertices().to_vec(), longest);
     let mut open: Vec<u32> =
-        (0..).zip(&faces).filter(|(_, face)| has_long(&vertices, **face)).map(|f| f.0).collect();
-    let mut middles: HashMap<[u32; 2], u32, BuildHasherDefault<Multiply>> = HashMap::default();
+        (0..).zip(&faces).filter(|(_, face)| splits.has_long(**face)).map(|f| f.0).collect();
     for round in 1.. {
         progress.report(1.0 - 1.0 / f64::from(round))?;
         if open.is_empty() {
             break;
         }
-        middles.clear();
+        splits.next_round();
         let mut next = Vec::new();
         for &f in &open {
-            let [a, b, c] = faces[f as usize];
-            let refused = |_| Error::OutOfMemory { bytes: 3 * size_of::<[u32; 3]>() };
-            middles.try_reserve(3).map_err(refused)?;
-            let mut of_edges = [None; 3];
-            for (middle, (u, v)) in of_edges.iter_mut().zip([(a, b), (b, c), (c, a)]) {
-                if !is_long(&vertices, u, v) {
-                    continue;
-                }
-                *middle = Some(match middles.entry([u.min(v), u.max(v)]) {
-                    Entry::Occupied(known) => *known.get(),
-                    Entry::Vacant(new) => {
-                        let ends = [u, v].map(|w| vertices[w as usize]);
-                        *new.insert(add(&mut vertices, &ends)?)
-                    }
-                });
-            }
+            let face = faces[f as usize];
             let first = faces.len();
-            split_face([a, b, c], of_edges, &mut vertices, &mut faces)?;
+            match slender(face, &splits) {
+                Some(face) => cut_strip(face, &mut splits, &mut faces)?,
+                None => {
+                    let middles = splits.middles_of(face)?;
+                    split_face(face, middles, &mut splits, &mut faces)?;
+                }
+            }
             // One of the parts replaces the face.
+            let parts = faces.len() - first;
             faces.swap_remove(f as usize);
-            room(&mut parents, PARTS)?;
+            room(&mut parents, parts)?;
             parents.resize(faces.len(), parents[f as usize]);
+            room(&mut next, parts)?;
             let parts = (first..faces.len()).chain([f as usize]);
-            room(&mut next, PARTS)?;
-            next.extend(parts.filter(|&g| has_long(&vertices, faces[g])).map(|g| g as u32));
+            next.extend(parts.filter(|&g| splits.has_long(faces[g])).map(|g| g as u32));
         }
         next.sort_unstable();
         open = next;
     }
-    Ok(Resampled { mesh: TriMesh::new(vertices, faces)?, parents })
+    Ok(Resampled { mesh: TriMesh::new(splits.vertices, faces)?, parents })
 }
 
-/// Adds the mean of these points to the vertices, and returns its index.
-fn add(vertices: &mut Vec<Vector>, points: &[Vector]) -> Result<u32> {
-    let number = u32::try_from(vertices.len()).ok().filter(|&number| number < u32::MAX / 8);
-    let Some(number) = number else {
-        let why = "is too small: there would be 2^29 vertices".into();
-        return Err(Error::Argument { what: "longest", why });
+/// Returns a lower bound of the number of faces without longer edges, of which one has at most the
+/// area of an equilateral triangle, and one is at each part of an edge.
+fn least_faces(mesh: &TriMesh, longest: f64) -> f64 {
+    let largest = longest * longest * 3f64.sqrt() / 4.0;
+    let of_face = |face: &[u32; 3]| {
+        let [a, b, c] = face.map(|v| mesh.vertices()[v as usize]);
+        let length = distance(a, b).max(distance(b, c)).max(distance(c, a));
+        (0.5 * norm(doubled_normal([a, b, c])) / largest).max(length / longest).max(1.0)
     };
-    let share = 1.0 / points.len() as f64;
-    push(vertices, std::array::from_fn(|k| points.iter().map(|p| share * p[k]).sum()))?;
-    Ok(number)
+    mesh.faces().iter().map(of_face).sum()
 }
 
-/// Returns the parts of a face; `middles` are those of the edges that start at its corners.
+/// Adds the parts of a face; `middles` are those of the edges that start at its corners.
 fn split_face(
     face: [u32; 3],
     middles: [Option<u32>; 3],
-    vertices: &mut Vec<Vector>,
+    splits: &mut Splits,
     faces: &mut Vec<[u32; 3]>,
 ) -> Result<()> {
     let split = middles.iter().flatten().count();
@@ -154,19 +131,8 @@ fn split_face(
         [None, Some(p), Some(q)] => {
             // The triangle at c, and the quadrilateral a, b, p, q.
             faces.push([q, p, c]);
-            let corners = [a, b, p, q].map(|v| vertices[v as usize]);
-            let side = |i: usize, k: usize| distance(corners[i], corners[k]);
-            if SLENDER * side(0, 1) < side(1, 2).min(side(3, 0)) {
-                let is_first = side(0, 2) <= side(1, 3);
-                faces.extend(if is_first {
-                    [[a, b, p], [a, p, q]]
-                } else {
-                    [[a, b, q], [b, p, q]]
-                });
-            } else {
-                let middle = add(vertices, &corners)?;
-                faces.extend([[a, b], [b, p], [p, q], [q, a]].map(|[u, v]| [u, v, middle]));
-            }
+            let middle = splits.add(&[a, b, p, q])?;
+            faces.extend([[a, b], [b, p], [p, q], [q, a]].map(|[u, v]| [u, v, middle]));
         }
         [Some(m), Some(p), Some(q)] => {
             faces.extend([[a, m, q], [m, b, p], [q, p, c], [m, p, q]]);

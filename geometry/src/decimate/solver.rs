@@ -373,3 +373,28 @@ fn at_vertex(surface: &Surface<'_>, v: u32) -> SurfacePoint {
     let corners = surface.mesh.faces()[face as usize];
     SurfacePoint { face, weights: corners.map(|w| if w == v { 1.0 } else { 0.0 }) }
 }
+
+#[cfg(all(test, debug_assertions))]
+mod tests {
+    use super::*;
+    use crate::mesh::families;
+    use catamaran::base::{Par, measure};
+
+    #[test]
+    fn work_on_a_pipe_is_in_proportion_to_its_length_and_to_its_sides() {
+        let work = |sides: usize, length: usize| {
+            let mesh = families::cylinder(sides, 1, 1.0, length as f64).unwrap();
+            // Edges of the result have the same length for all.
+            let options = DecimateOptions::new().par(Par::Seq);
+            let (_, total) = measure::operations(|| {
+                decimate(&mesh, length / 3, &options).unwrap();
+            });
+            println!("{sides} sides, {length} long: {total:.1e} operations");
+            total
+        };
+        let one = work(64, 150);
+        // Three faces instead of two for each half made it more than 8 times for 4.
+        assert!(work(64, 600) < 6.0 * one);
+        assert!(work(256, 150) < 6.0 * one);
+    }
+}

@@ -314,14 +314,75 @@ fn resampled_edges_are_short_and_the_surface_is_the_same() {
 }
 
 #[test]
-fn needles_are_resampled_by_few_faces() {
-    let corners = vec![[0.0; 3], [1000.0, 0.0, 0.0], [1000.0, 1.0, 0.0]];
+fn slender_faces_are_resampled_by_faces_in_proportion_to_their_length() {
+    // A polygon of so many edges has two triangles less. The long sides of the needle have 64 and
+    // 64 parts (2^6), and its short side one; the cap has 64, 32 and 32. Three or four faces for
+    // each in six rounds were 729 and 4096.
+    for (name, tip, parts) in [("needle", 1000.0, 129), ("cap", 500.0, 128)] {
+        for times in [1, 2, 4, 32] {
+            let length = 1000.0 * f64::from(times);
+            let tip = [tip * f64::from(times), 1.0, 0.0];
+            let corners = vec![[0.0; 3], [length, 0.0, 0.0], tip];
+            let mesh = TriMesh::new(corners, vec![[0, 1, 2]]).unwrap();
+            let found = resample(&mesh, 20.0).unwrap().mesh;
+            let edges = match name {
+                "needle" => (parts - 1) * times + 1,
+                _ => parts * times,
+            };
+            assert_eq!(found.faces().len(), edges as usize - 2, "{name}, {times} times");
+            assert!((found.area() - mesh.area()).abs() < 1e-9 * mesh.area());
+            assert!(longest_edge(&found) <= 20.0);
+        }
+    }
+}
+
+#[test]
+fn a_pipe_is_resampled_without_gaps_by_faces_in_proportion_to_its_length() {
+    for times in [1, 4] {
+        let length = 100.0 * f64::from(times);
+        let mesh = families::cylinder(64, 1, 1.0, length).unwrap();
+        let found = resample(&mesh, 3.3).unwrap().mesh;
+        // 32 parts of each long side, which both of its faces share.
+        let parts = 32 * times as usize;
+        assert_eq!(found.faces().len(), 128 * (2 * parts - 1));
+        assert_eq!(found.vertices().len(), 128 * parts);
+        assert!(longest_edge(&found) <= 3.3);
+        assert_eq!(found.validate().boundary_loops, Some(2));
+        found.require_manifold().unwrap();
+    }
+    // Faces that are split round by round beside those that are split at once.
+    let beside = cad_cylinder(64);
+    for longest in [0.11, 0.3, 0.9] {
+        let found = resample(&beside, longest).unwrap().mesh;
+        found.require_closed().unwrap();
+        assert!(longest_edge(&found) <= longest);
+        assert!((found.area() / beside.area() - 1.0).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn lengths_that_ask_for_too_many_parts_of_an_edge_are_refused_at_once() {
+    // Nearly without area, which alone would allow it.
+    let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1e-12, 0.0]];
     let mesh = TriMesh::new(corners, vec![[0, 1, 2]]).unwrap();
-    let found = resample(&mesh, 20.0).unwrap().mesh;
-    // Three of each in six rounds; with barycentres there were 1723.
-    assert_eq!(found.faces().len(), 3_usize.pow(6));
-    assert!((found.area() - mesh.area()).abs() < 1e-9 * mesh.area());
-    assert!(longest_edge(&found) <= 20.0);
+    let refused = resample(&mesh, 1e-10).unwrap_err();
+    assert!(refused.to_string().contains("more than a mesh can have"), "{refused}");
+    // Between these ends there is no number.
+    let far = 2f64.powi(60);
+    let corners = vec![[far, far, 0.0], [far + 256.0, far, 0.0], [far, far + 256.0, 0.0]];
+    let mesh = TriMesh::new(corners, vec![[0, 1, 2]]).unwrap();
+    let found = resample(&mesh, 60.0).unwrap().mesh;
+    assert!(found.faces().len() < 20, "{}", found.faces().len());
+}
+
+#[test]
+fn pipes_are_decimated_with_their_topology() {
+    for (sides, length, n) in [(64, 400.0, 128), (200, 300.0, 60)] {
+        let mesh = families::cylinder(sides, 1, 1.0, length).unwrap();
+        let found = decimate(&mesh, n, &options()).unwrap();
+        check("pipe", &mesh, n, &found);
+        assert!(found.mesh.intersecting_faces(Par::Seq).is_empty());
+    }
 }
 
 #[test]
