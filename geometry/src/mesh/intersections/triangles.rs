@@ -2,7 +2,7 @@
 
 use robust::{Coord, Coord3D, orient2d, orient3d};
 
-use crate::mesh::vector::{Vector, cross, dot, doubled_normal, sub};
+use crate::mesh::vector::{Vector, add, cross, dot, doubled_normal, sub, unit};
 
 /// The corners of a triangle.
 pub(crate) type Corners = [Vector; 3];
@@ -23,7 +23,8 @@ pub(crate) fn intersect(first: &Corners, second: &Corners) -> bool {
     }
     match common {
         0 => {
-            !clear_of(first, second)
+            !apart(first, second)
+                && !clear_of(first, second)
                 && !clear_of(second, first)
                 && edges(first)
                     .into_iter()
@@ -35,7 +36,8 @@ pub(crate) fn intersect(first: &Corners, second: &Corners) -> bool {
             // Beyond the common corner, an edge opposite to it meets the other triangle.
             let opposite = |t: &Corners, corner: usize| [t[corner % 3], t[(corner + 1) % 3]];
             let (of_first, of_second) = (opposite(first, in_first), opposite(second, in_second));
-            !clear_of(second, &of_first)
+            !beyond(first[in_first - 1], &of_first, &of_second)
+                && !clear_of(second, &of_first)
                 && !clear_of(first, &of_second)
                 && (meets_edge(second, of_first) || meets_edge(first, of_second))
         }
@@ -60,10 +62,44 @@ fn edges(t: &Corners) -> [[Vector; 2]; 3] {
 /// and 11 sums.
 const ERROR: f64 = 1e-14;
 
+fn longest([x, y, z]: Vector) -> f64 {
+    x.abs().max(y.abs()).max(z.abs())
+}
+
+/// Returns whether a plane across the line between their middles certainly, beyond rounding, lies
+/// between two triangles, as it does for most that are near each other in one sheet.
+fn apart(first: &Corners, second: &Corners) -> bool {
+    let middle = |[a, b, c]: &Corners| add(*a, add(*b, *c));
+    let axis = sub(middle(second), middle(first));
+    let origin = first[0];
+    let (mut low, mut high, mut size) = (0.0f64, f64::INFINITY, 0.0f64);
+    for p in &first[1..] {
+        let step = sub(*p, origin);
+        low = low.max(dot(axis, step));
+        size = size.max(longest(step));
+    }
+    for p in second {
+        let step = sub(*p, origin);
+        high = high.min(dot(axis, step));
+        size = size.max(longest(step));
+    }
+    high - low > 2.0 * ERROR * longest(axis) * size
+}
+
+/// Returns whether a plane through their common corner certainly, beyond rounding, has the first
+/// edge on one side, and the second on the other.
+fn beyond(corner: Vector, first: &[Vector; 2], second: &[Vector; 2]) -> bool {
+    let [a, b] = first.map(|p| sub(p, corner));
+    let [c, d] = second.map(|p| sub(p, corner));
+    let axis = sub(unit(add(c, d)), unit(add(a, b)));
+    let height = |p: Vector| dot(axis, p);
+    let error = |p: Vector| ERROR * longest(axis) * longest(p);
+    [a, b].iter().all(|&p| height(p) < -error(p)) && [c, d].iter().all(|&p| height(p) > error(p))
+}
+
 /// Returns whether these points are certainly, beyond rounding, on one side of the plane of a
 /// triangle.
 fn clear_of([a, b, c]: &Corners, points: &[Vector]) -> bool {
-    let longest = |[x, y, z]: Vector| x.abs().max(y.abs()).max(z.abs());
     let (ab, ac) = (sub(*b, *a), sub(*c, *a));
     let normal = cross(ab, ac);
     let error = ERROR * longest(ab) * longest(ac);
@@ -151,4 +187,46 @@ fn projection(corners: &Corners) -> Option<fn(Vector) -> Coord<f64>> {
         orient2d(a, b, c) != 0.0
     };
     [steepest, 0, 1, 2].into_iter().find(has_area).map(|k| projections[k])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use catamaran::base::Rng;
+
+    /// Returns whether an edge of either triangle meets the other one, by exact predicates alone.
+    fn meet(first: &Corners, second: &Corners) -> bool {
+        edges(first).into_iter().any(|edge| meets_edge(second, edge))
+            || edges(second).into_iter().any(|edge| meets_edge(first, edge))
+    }
+
+    #[test]
+    fn triangles_that_a_plane_separates_do_not_meet() {
+        let mut rng = Rng::new(9);
+        let mut point = |size: f64| -> Vector { std::array::from_fn(|_| size * rng.normal()) };
+        let (mut separate, mut through_corner, mut meeting) = (0, 0, 0);
+        for round in 0..20000 {
+            // Also nearly in one plane, where few bits decide.
+            let thin = [1.0, 1e-3, 1e-12, 0.0][round % 4];
+            let mut triangle = || -> Corners {
+                let shift = point(0.7);
+                let corners: Corners = std::array::from_fn(|_| add(shift, point(1.0)));
+                corners.map(|[x, y, z]| [x, y, thin * z])
+            };
+            let first = triangle();
+            let mut second = triangle();
+            let meets = meet(&first, &second);
+            assert!(!(apart(&first, &second) && meets), "{first:?}, {second:?}");
+            separate += usize::from(apart(&first, &second));
+            meeting += usize::from(meets);
+            second[0] = first[0];
+            let [[a, b], [c, d]] = [first, second].map(|t| [t[1], t[2]]);
+            if beyond(first[0], &[a, b], &[c, d]) {
+                through_corner += 1;
+                assert!(!meets_edge(&second, [a, b]) && !meets_edge(&first, [c, d]));
+                assert!(!intersect(&first, &second));
+            }
+        }
+        assert!(separate > 2000 && through_corner > 2000 && meeting > 2000);
+    }
 }
