@@ -18,7 +18,7 @@ pub(super) struct Found {
 /// then downhill over faces.
 pub(super) fn on_surface(surface: &Surface<'_>, from: u32, p: Vector) -> Option<Found> {
     let mut best: Option<Found> = None;
-    let mut around = [Some(downhill(surface, from, p)), None];
+    let mut around = [Some(downhill(surface, from, p, 0.0).0), None];
     loop {
         let before = best.map(|found| found.square);
         for v in around.into_iter().flatten() {
@@ -81,10 +81,12 @@ pub(super) fn on_boundary(surface: &Surface<'_>, from: u32, p: Vector) -> Option
     }
 }
 
-fn downhill(surface: &Surface<'_>, from: u32, p: Vector) -> u32 {
+/// Returns the vertex at the end of a walk from a vertex over edges, each of which leads nearer to
+/// p, with the square of its distance. The walk ends where that is at most `enough`.
+pub(super) fn downhill(surface: &Surface<'_>, from: u32, p: Vector, enough: f64) -> (u32, f64) {
     let mut at = from;
     let mut least = square(sub(surface.position(at), p));
-    loop {
+    while least > enough {
         let here = at;
         for link in surface.links(here) {
             let found = square(sub(surface.position(link.to), p));
@@ -93,9 +95,10 @@ fn downhill(surface: &Surface<'_>, from: u32, p: Vector) -> u32 {
             }
         }
         if at == here {
-            return at;
+            break;
         }
     }
+    (at, least)
 }
 
 /// Returns the point at the share `t` of the edge from a to b as a point of a face.

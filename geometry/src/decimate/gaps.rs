@@ -1,6 +1,6 @@
 //! Measures the local distances between the new mesh and the surface.
 
-use super::closest::{Found, on_surface};
+use super::closest::{Found, downhill, on_surface};
 use super::patch::Patch;
 use super::surface::Surface;
 use crate::mesh::intersections::Bounds;
@@ -105,8 +105,8 @@ impl<'a, 's> Gaps<'a, 's> {
         widest
     }
 
-    /// Returns the point of the surface nearest to p, which is on this face, or any point nearer
-    /// than `enough`.
+    /// Returns the point of the surface nearest to p, which is on this face; `None` when a walk
+    /// finds one that is no farther than `enough`.
     fn nearest(&self, patch: &Patch, face: [u32; 3], p: Vector, enough: f64) -> Option<Found> {
         let mut best: Option<Found> = None;
         let mut walk = |from: u32| {
@@ -115,9 +115,13 @@ impl<'a, 's> Gaps<'a, 's> {
             best
         };
         for v in face {
-            let found = walk(patch.anchors[v as usize]);
-            if found.is_some_and(|found| found.square <= enough * enough) {
-                return found;
+            // On a fine surface, a vertex is near enough, and no face has to be measured.
+            let (end, square) =
+                downhill(self.surface, patch.anchors[v as usize], p, enough * enough);
+            let is_near = square <= enough * enough
+                || walk(end).is_some_and(|found| found.square <= enough * enough);
+            if is_near {
+                return None;
             }
         }
         // All these walks may have missed the nearest point.

@@ -4,15 +4,15 @@
 use std::collections::HashSet;
 use std::f64::consts::PI;
 use std::hash::BuildHasherDefault;
+use std::sync::OnceLock;
 
 use super::batches::Multiply;
 use super::patch::Patch;
 use super::surface::Surface;
 use crate::mesh::vector::{Vector, cross, dot, norm, scale, square, sub};
-use catamaran::base::Par;
 
-/// Number of vertices that one thread processes at a time.
-const BLOCK: usize = 8192;
+/// Number of vertices whose planes are computed together.
+const BLOCK: usize = 256;
 
 /// Least weight of the target of a vertex, relative to the weight of the planes.
 const HOLD: f64 = 0.01;
@@ -24,19 +24,28 @@ const ROUND: f64 = 240.0;
 /// The same weight for the measurement whether the planes have a point in common.
 const FREE: f64 = 1e-3;
 
-/// The planes of the faces at each vertex of a surface.
+/// The planes of the faces at each vertex of a surface, which are computed where they are needed
+/// first: most of a scan has no crease.
 pub(super) struct Quadrics<'a, 's> {
     surface: &'a Surface<'s>,
-    at: Vec<Planes>,
+    blocks: Vec<OnceLock<Vec<Planes>>>,
 }
 
 impl<'a, 's> Quadrics<'a, 's> {
     /// Creates the quadrics of a surface.
-    pub fn new(surface: &'a Surface<'s>, par: Par) -> Self {
-        let blocks = par.map_blocks(surface.len(), BLOCK, |range| {
-            range.map(|v| Planes::at(surface, v)).collect::<Vec<_>>()
+    pub fn new(surface: &'a Surface<'s>) -> Self {
+        let blocks = (0..surface.len().div_ceil(BLOCK)).map(|_| OnceLock::new());
+        Self { surface, blocks: blocks.collect() }
+    }
+
+    fn at(&self, v: u32) -> &Planes {
+        let v = v as usize;
+        let first = v - v % BLOCK;
+        let block = self.blocks[v / BLOCK].get_or_init(|| {
+            let end = self.surface.len().min(first + BLOCK);
+            (first..end).map(|v| Planes::at(self.surface, v)).collect()
         });
-        Self { surface, at: blocks.concat() }
+        &block[v - first]
     }
 
     /// Returns the point of least square distance from `target` and from the planes of the part of
@@ -49,7 +58,7 @@ impl<'a, 's> Quadrics<'a, 's> {
     pub fn sharpest(&self, patch: &Patch, v: u32, target: Vector, length: f64) -> Vector {
         let mut sum = Sum::default();
         for w in own_vertices(self.surface, patch, v, length) {
-            sum.add(&self.at[w as usize], sub(self.surface.position(w), target));
+            sum.add(self.at(w), sub(self.surface.position(w), target));
         }
         if sum.area <= 0.0 {
             return target;
@@ -153,22 +162,23 @@ fn own_vertices(surface: &Surface<'_>, patch: &Patch, v: u32, radius: f64) -> Ve
     let neighbours: Vec<Vector> =
         patch.neighbours(v).into_iter().map(|w| patch.position(w)).collect();
     let anchor = patch.anchors[v as usize];
+    let is_own = |w: u32| {
+        let q = surface.position(w);
+        let away = square(sub(q, here));
+        away <= radius * radius && neighbours.iter().all(|&p| square(sub(p, q)) >= away)
+    };
     let mut seen: HashSet<u32, BuildHasherDefault<Multiply>> = HashSet::default();
     seen.reserve(64);
     seen.insert(anchor);
+    // On a coarse surface, the vertex nearest to v may be nearer to a neighbour.
     let mut open = vec![anchor];
     let mut own = Vec::new();
     while let Some(w) = open.pop() {
-        let q = surface.position(w);
-        let away = square(sub(q, here));
-        let is_own =
-            away <= radius * radius && neighbours.iter().all(|&p| square(sub(p, q)) >= away);
-        // On a coarse surface, the vertex nearest to v may be nearer to a neighbour.
-        if !is_own && w != anchor {
-            continue;
-        }
         own.push(w);
-        open.extend(surface.links(w).iter().map(|link| link.to).filter(|&to| seen.insert(to)));
+        // Positions of all neighbours are asked for before one of them is needed: they come from
+        // memory at the same time.
+        let new = surface.links(w).iter().map(|link| link.to).filter(|&to| seen.insert(to));
+        open.extend(new.filter(|&to| is_own(to)));
     }
     own
 }
