@@ -20,6 +20,7 @@ mod lloyd;
 mod loss;
 mod mend;
 mod options;
+mod order;
 mod patch;
 mod prepare;
 mod prolongation;

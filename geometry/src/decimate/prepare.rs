@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use super::order::{Ordered, along_curve, is_scattered};
 use super::resample::{Resampled, resample_with};
 use super::surface::Surface;
 pub use crate::mesh::Repairs;
@@ -48,19 +49,31 @@ impl Prepared<'_> {
     }
 }
 
-/// Prepares the input: cuts it where it is not a manifold, and orients it if possible.
+/// Prepares the input: cuts it where it is not a manifold, and orients it if possible. With `sorts`,
+/// vertices and faces may get another order.
 ///
 /// # Errors
 /// [`Error::Mesh`] when there is no face, lengths are out of range, or a vertex can't be cut to a
 /// manifold.
-pub(super) fn prepare(mesh: Cow<'_, TriMesh>, par: Par) -> Result<Prepared<'_>> {
+pub(super) fn prepare(mesh: Cow<'_, TriMesh>, sorts: bool, par: Par) -> Result<Prepared<'_>> {
     if mesh.faces().is_empty() {
         return Err(Error::Mesh { what: "has no face".into(), element: "mesh".into() });
     }
-    let (surface, broken) = Surface::read(mesh, par)?;
-    if broken.is_some() {
-        return cut(&surface.mesh, par);
+    if sorts && is_scattered(&mesh) {
+        mesh.check_size()?;
+        let Ordered { mesh: ordered, vertices, faces } = along_curve(&mesh)?;
+        // A mesh that has to be cut is cut in its own order, whose numbers errors name.
+        if let (surface, None) = Surface::read(Cow::Owned(ordered), par)? {
+            let prepared = whole(surface, par)?;
+            return Ok(Prepared { vertices: Some(vertices), faces: Some(faces), ..prepared });
+        }
     }
+    let (surface, broken) = Surface::read(mesh, par)?;
+    if broken.is_some() { cut(&surface.mesh, par) } else { whole(surface, par) }
+}
+
+/// Returns the surface of a mesh that is a manifold, oriented if possible.
+fn whole(surface: Surface<'_>, par: Par) -> Result<Prepared<'_>> {
     let unreferenced = (0..surface.len() as u32).filter(|&v| surface.links(v).is_empty()).count();
     let mut repairs = Repairs { unreferenced_vertices: unreferenced, ..Repairs::default() };
     let surface = oriented(surface, &mut repairs, par)?;

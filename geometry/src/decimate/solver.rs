@@ -6,10 +6,11 @@ use super::batches::add_samples;
 use super::cells::{Cells, Growth, Seed};
 use super::closest::nearest;
 use super::collapse::reduce;
-use super::farthest::{Sampler, first_sample};
+use super::farthest::{Sampler, first_sample, without_face};
 use super::gaps::Gaps;
 use super::mend::mend;
 use super::options::{DecimateOptions, Method};
+use super::order::pack;
 use super::patch::Patch;
 use super::prepare::{Prepared, prepare};
 use super::quadric::Quadrics;
@@ -87,13 +88,21 @@ struct Source<'m> {
 
 impl<'m> Source<'m> {
     fn new(mesh: Cow<'m, TriMesh>, options: &DecimateOptions<'_>) -> Result<Self> {
-        let prepared = prepare(mesh, options.par)?;
+        let given = mesh.vertices().len();
+        let prepared = prepare(mesh, options.method == Method::Uniform, options.par)?;
+        let has_face = |v: &u32| !prepared.surface.links(*v).is_empty();
         let first = match (options.first, &prepared.vertices) {
-            // The first part of a vertex that was split.
-            (Some(v), Some(vertices)) => Some(
-                vertices.iter().position(|&w| w == v).map_or(u32::MAX, |position| position as u32),
-            ),
-            (first, _) => first,
+            (Some(v), Some(vertices)) => {
+                // The first part of a vertex that was split.
+                let mut parts = (0..).zip(vertices).filter(|&(at, &of)| of == v && has_face(&at));
+                let (part, _) = parts.next().ok_or_else(|| without_face(v, given))?;
+                Some(part)
+            }
+            (None, Some(vertices)) => {
+                let all = (0..vertices.len() as u32).filter(has_face);
+                all.min_by_key(|&v| vertices[v as usize])
+            }
+            (first, None) => first,
         };
         let first = first_sample(&prepared.surface, first)?;
         let mut components = components(&prepared.surface);
@@ -268,6 +277,7 @@ impl<'m, 'o> Decimator<'m, 'o> {
         };
         let passes = self.options.relaxation;
         if passes > 0 {
+            patch = pack(patch)?;
             let quadrics = Quadrics::new(surface);
             relax(surface, &quadrics, &mut patch, passes, narrow, par, progress.part(0.7..0.9))?;
             reach(&mut patch)?;

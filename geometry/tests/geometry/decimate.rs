@@ -261,6 +261,40 @@ fn same_for_all_threads(mesh: &TriMesh) {
     }
 }
 
+/// A sphere whose vertices are numbered at random.
+fn shuffled_sphere() -> TriMesh {
+    let (vertices, faces) = families::icosphere(5).unwrap().into_parts();
+    let mut rng = catamaran::base::Rng::new(11);
+    let mut numbers: Vec<u32> = (0..vertices.len() as u32).collect();
+    for i in (1..numbers.len()).rev() {
+        numbers.swap(i, (rng.uniform() * (i + 1) as f64) as usize);
+    }
+    let mut moved = vec![[0.0; 3]; vertices.len()];
+    numbers.iter().zip(vertices).for_each(|(&new, p)| moved[new as usize] = p);
+    let faces = faces.iter().map(|face| face.map(|v| numbers[v as usize])).collect();
+    TriMesh::new(moved, faces).unwrap()
+}
+
+#[test]
+fn vertices_and_faces_are_those_of_the_input_in_whatever_order_they_are_numbered() {
+    let mesh = shuffled_sphere();
+    let found = decimate(&mesh, 300, &options()).unwrap();
+    check("shuffled sphere", &mesh, 300, &found);
+    // The place of each new vertex is below it, and the vertices of its cell are around it.
+    for (place, p) in found.places.iter().zip(found.mesh.vertices()) {
+        assert!(distance(place.position(&mesh), *p) < 0.02);
+    }
+    let edge = edge_length_for(mesh.area(), 300).unwrap();
+    for (p, &cell) in mesh.vertices().iter().zip(found.cells.of_vertices()) {
+        assert!(distance(*p, found.mesh.vertices()[cell as usize]) < edge);
+    }
+    same_for_all_threads(&mesh);
+    let nowhere = options().first(mesh.vertices().len() as u32);
+    let refused = decimate(&mesh, 300, &nowhere).err().unwrap();
+    let why = "first: must be a vertex with a face, is 10242 of 10242";
+    assert_eq!(refused.to_string(), why);
+}
+
 #[test]
 fn weights_take_linear_functions_over() {
     let mesh = families::grid(50, 40).unwrap();

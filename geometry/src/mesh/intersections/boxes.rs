@@ -1,6 +1,6 @@
 //! A tree of boxes around triangles that may move.
 
-use crate::mesh::vector::Vector;
+use crate::mesh::vector::{Vector, middle};
 use catamaran::base::Par;
 
 /// A box with sides along the axes; empty when `low` is above `high`.
@@ -55,12 +55,8 @@ impl BoxTree {
     pub fn new(items: usize, bounds: impl Fn(usize) -> Option<Bounds>) -> Self {
         let boxes: Vec<Bounds> = (0..items).map(|i| bounds(i).unwrap_or(Bounds::EMPTY)).collect();
         let all = boxes.iter().fold(Bounds::EMPTY, |all, one| all.join(one));
-        let longest = (0..3).map(|k| all.high[k] - all.low[k]).fold(0.0, f64::max);
-        let steps = if longest > 0.0 { f64::from(1 << 20) / longest } else { 0.0 };
-        let key = |b: &Bounds| {
-            let at = |k: usize| (steps * (0.5 * (b.low[k] + b.high[k]) - all.low[k])) as u64;
-            spread(at(0)) | spread(at(1)) << 1 | spread(at(2)) << 2
-        };
+        let curve = Curve::through([all.low, all.high]);
+        let key = |b: &Bounds| curve.place(middle(b.low, b.high));
         let mut keys: Vec<(u64, u32)> = boxes.iter().map(key).zip(0..).collect();
         keys.sort_unstable();
         let order: Vec<u32> = keys.into_iter().map(|(_, item)| item).collect();
@@ -174,6 +170,27 @@ impl BoxTree {
 
     fn inner(&self, node: usize) -> Bounds {
         self.nodes[2 * node].join(&self.nodes[2 * node + 1])
+    }
+}
+
+/// A curve that fills a box, along which near points are mostly near each other.
+pub(crate) struct Curve {
+    low: Vector,
+    /// Steps along each axis for a unit of length.
+    steps: f64,
+}
+
+impl Curve {
+    /// Creates the curve through the box between two corners, the lower one first.
+    pub fn through([low, high]: [Vector; 2]) -> Self {
+        let longest = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
+        Self { low, steps: if longest > 0.0 { f64::from(1 << 20) / longest } else { 0.0 } }
+    }
+
+    /// Returns where on the curve a point is.
+    pub fn place(&self, p: Vector) -> u64 {
+        let [x, y, z] = [0, 1, 2].map(|k| spread((self.steps * (p[k] - self.low[k])) as u64));
+        x | y << 1 | z << 2
     }
 }
 

@@ -3,7 +3,7 @@
 mod boxes;
 mod triangles;
 
-pub(crate) use boxes::{Bounds, BoxTree};
+pub(crate) use boxes::{Bounds, BoxTree, Curve};
 pub(crate) use triangles::{Corners, intersect};
 
 use super::TriMesh;
