@@ -308,7 +308,7 @@ mod tests {
 
     #[test]
     fn covers_are_the_smallest() {
-        let mut rng = crate::base::Rng::new(8);
+        let mut rng = Rng::new(8);
         for count in 1..60 {
             // Six vertices on each side.
             let mut end = |first: u32| first + (rng.bits() % 6) as u32;
