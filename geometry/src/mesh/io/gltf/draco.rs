@@ -9,8 +9,8 @@ use draco_core::geometry_indices::PointIndex;
 use draco_core::{DecodeLimits, DecoderBuffer, ErrorKind, Mesh, MeshDecoder};
 
 use super::super::draft::{Checked, roomy};
-use super::accessor::{Layout, width};
 use super::document::{Accessor, code};
+use super::layout::{Layout, width};
 use catamaran::base::push;
 use catamaran::io::LARGER_MAX_MEMORY;
 
