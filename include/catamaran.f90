@@ -1069,6 +1069,15 @@ module catamaran
       type(cata_plant_params), intent(in), optional :: params
       type(c_ptr), intent(inout) :: plant
     end function cata_plant_read
+    function cata_plant_read_with(path, unit, individual, params, plant) bind(C) result(returned)
+      import
+      integer(c_int32_t) :: returned
+      character(kind=c_char), intent(in) :: path(*)
+      real(c_double), intent(in), optional :: unit(*)
+      character(kind=c_char), intent(in) :: individual(*)
+      type(cata_plant_params), intent(in), optional :: params
+      type(c_ptr), intent(inout) :: plant
+    end function cata_plant_read_with
     function cata_plant_grow(n, seed, params, plant) bind(C) result(returned)
       import
       integer(c_int32_t) :: returned

@@ -1215,7 +1215,8 @@ typedef struct cata_mesh_file_params {
 /** Fills a struct with the defaults. */
 cata_status cata_mesh_file_params_init(cata_mesh_file_params *params, size_t struct_size);
 
-/** Creates a mesh without attributes, of which it keeps a copy. */
+/** Creates a mesh without attributes, of which it keeps a copy. Triangles that have a vertex twice
+ * are left out, as those of files are; cata_mesh_file_notes counts them. */
 cata_status cata_mesh_file_new(size_t n_vertices, const double *vertices, size_t n_faces,
     const uint32_t *faces, cata_mesh_file **file);
 
@@ -2050,6 +2051,11 @@ typedef struct cata_curve_params {
     int32_t points; /**< CATA_CURVE_STEINER or CATA_CURVE_VERTICES. */
     /** 1: curves are shortened to geodesics between their samples. 0: they are along edges. */
     int32_t smooth;
+    int32_t reserved; /**< 0. */
+    /** 1: outliers are dropped: one or two successive samples to which the curve makes a detour
+     * of more than three times the median distance between successive samples (at the ends of an
+     * open curve, six times). At least half of the samples stay. Not with `faithful` 1. */
+    int32_t drop_outliers;
 } cata_curve_params;
 /** Fills a struct with the defaults. */
 cata_status cata_curve_params_init(cata_curve_params *params, size_t struct_size);
@@ -2099,7 +2105,21 @@ cata_status cata_curves_size(const cata_curves *curves, size_t curve, size_t *n_
 cata_status cata_curves_get(const cata_curves *curves, size_t curve, uint32_t *order,
     uint32_t *path, double *points);
 
-/** Gets the numbers of the samples that no curve is through; cata_curves_outcome counts them. */
+/** Gets where the points of a curve are on the mesh that the solver was created for. NULL where
+ * not wanted. The first call takes time in proportion to the size of the mesh.
+ * - `solver`: the solver that found the curves.
+ * - `faces`: n_points elements, written: a face of the mesh, as it was given, for each point.
+ * - `weights`: 3 n_points elements, written: barycentric coordinates in that face. */
+cata_status cata_curves_places(const cata_curves *curves, const cata_curve_solver *solver,
+    size_t curve, uint32_t *faces, double *weights);
+
+/** Gets the number of samples that were dropped as outliers, and their numbers, ascending. NULL
+ * where not wanted.
+ * - `samples`: as many elements as `count` tells, written. */
+cata_status cata_curves_outliers(const cata_curves *curves, size_t *count, uint32_t *samples);
+
+/** Gets the numbers of the samples that no curve is through because their components of the
+ * mesh have fewer than three; cata_curves_outcome counts them. */
 cata_status cata_curves_left_out(const cata_curves *curves, uint32_t *samples);
 
 /** @} */
@@ -2732,6 +2752,14 @@ cata_status cata_plant_new(size_t n, const double *tails, const double *radii,
 /** Reads the plant in a file: .txt (the reference format: `verts N`, ...), .swc, .mtg or .obj
  * (polylines), each also as .gz, .xz or .bz2. `path` is in UTF-8. */
 cata_status cata_plant_read(const char *path, const cata_plant_params *params, cata_plant **plant);
+
+/** Reads the plant in a file as cata_plant_read does, in the units of the file.
+ * - `unit`: 2 elements: metres in a unit of its lengths and coordinates, and in one of its
+ *   radii and diameters; NULL: 1 and 1.
+ * - `individual`: the name of one of several plants in an .mtg file, such as P3, in UTF-8;
+ *   NULL or an empty text: the file has one plant. The error without a name lists the names. */
+cata_status cata_plant_read_with(const char *path, const double *unit, const char *individual,
+    const cata_plant_params *params, cata_plant **plant);
 
 /** Grows a random plant of n >= 1 nodes, the same for the same seed. */
 cata_status cata_plant_grow(size_t n, uint64_t seed, const cata_plant_params *params,

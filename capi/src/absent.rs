@@ -269,6 +269,7 @@ absent! { "chapters":
     fn cata_plant_params_init(params: *mut c_void, struct_size: usize) -> cata_status;
     fn cata_plant_new(n: usize, tails: *const f64, radii: *const f64, parents: *const u32, kinds: *const i32, base: *const f64, params: *const c_void, plant: *mut *mut c_void) -> cata_status;
     fn cata_plant_read(path: *const c_char, params: *const c_void, plant: *mut *mut c_void) -> cata_status;
+    fn cata_plant_read_with(path: *const c_char, unit: *const f64, individual: *const c_char, params: *const c_void, plant: *mut *mut c_void) -> cata_status;
     fn cata_plant_grow(n: usize, seed: u64, params: *const c_void, plant: *mut *mut c_void) -> cata_status;
     fn cata_plant_free(plant: *mut c_void);
     fn cata_plant_size(plant: *const c_void) -> usize;

@@ -390,10 +390,9 @@ pub unsafe extern "C" fn cata_curves_get(
     })
 }
 
-/// Gets where the points of a curve are on the mesh that the solver was created for. NULL where
-/// not wanted. The first call takes time in proportion to the size of the mesh.
+/// Gets where the points of a curve are on the mesh of `solver`, which found the curves. NULL
+/// where not wanted. The first call takes time in proportion to the size of the mesh.
 ///
-/// - `solver`: the solver that found the curves.
 /// - `faces`: n_points elements, written: a face of the mesh, as it was given, for each point.
 /// - `weights`: 3 n_points elements, written: barycentric coordinates in that face.
 ///
@@ -435,8 +434,7 @@ pub unsafe extern "C" fn cata_curves_places(
     })
 }
 
-/// Gets the number of samples that were dropped as outliers, and their numbers, ascending. NULL
-/// where not wanted.
+/// Gets how many samples were dropped as outliers, and which, ascending. NULL where not wanted.
 ///
 /// - `samples`: as many elements as `count` tells, written.
 ///
@@ -463,8 +461,7 @@ pub unsafe extern "C" fn cata_curves_outliers(
     })
 }
 
-/// Gets the numbers of the samples that no curve is through because their components of the
-/// mesh have fewer than three; cata_curves_outcome counts them.
+/// Gets the numbers of samples that no curve is through: components with fewer than three.
 ///
 /// # Safety
 /// The pointers are as described.

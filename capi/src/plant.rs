@@ -186,8 +186,7 @@ pub unsafe extern "C" fn cata_plant_read(
 
 /// Reads the plant in a file as cata_plant_read does, in the units of the file.
 ///
-/// - `unit`: 2 elements: metres in a unit of its lengths and coordinates, and in one of its
-///   radii and diameters; NULL: 1 and 1.
+/// - `unit`: 2 numbers: metres in a unit of lengths, and in one of radii; NULL: 1 and 1.
 /// - `individual`: the name of one of several plants in an .mtg file, such as P3, in UTF-8;
 ///   NULL or an empty text: the file has one plant. The error without a name lists the names.
 ///
