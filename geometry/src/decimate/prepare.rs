@@ -49,8 +49,8 @@ impl Prepared<'_> {
     }
 }
 
-/// Prepares the input: cuts it where it is not a manifold, and orients it if possible. With `sorts`,
-/// vertices and faces may get another order.
+/// Prepares the input: cuts it where it is not a manifold, and orients it if possible. With
+/// `sorts`, vertices and faces may get another order.
 ///
 /// # Errors
 /// [`Error::Mesh`] when there is no face, lengths are out of range, or a vertex can't be cut to a

@@ -247,8 +247,8 @@ impl<'m, 'o> Decimator<'m, 'o> {
             taken.clone_from(&samples);
         }
 
-        // Cells are about as large as the area that belongs to a sample. Most vertices are nearer, and
-        // the few that are not are reached from all cells together.
+        // Cells are about as large as the area that belongs to a sample. Most vertices are nearer,
+        // and the few that are not are reached from all cells together.
         let radius = (area / n as f64).sqrt() / surface.scale;
         let cutoff = (NEARER * radius) as f32;
         let areas = if self.options.lloyd > 0 { vertex_areas(&surface.mesh) } else { Vec::new() };
