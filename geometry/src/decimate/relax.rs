@@ -47,8 +47,7 @@ pub(super) fn relax(
         } else {
             make_delaunay(patch)?;
         }
-        let flat = if pass < lively { FLAT_AT_FIRST } else { FLAT };
-        move_vertices(surface, quadrics, patch, flat, par)?;
+        move_vertices(surface, quadrics, patch, par)?;
     }
     if passes > 0 {
         make_delaunay(patch)?;
@@ -151,27 +150,24 @@ fn move_vertices(
     surface: &Surface<'_>,
     quadrics: &Quadrics<'_, '_>,
     patch: &mut Patch,
-    flat: f64,
     par: Par,
 ) -> Result<()> {
     let vertices = patch.positions().len();
     let operations = MOVED * BLOCK as f64;
     let moves = par.map_blocks_asking(vertices, BLOCK, operations, |range| {
-        let found = range.map(|v| target(surface, quadrics, patch, v as u32, flat));
+        let found = range.map(|v| target(surface, quadrics, patch, v as u32));
         found.map(|found| found.map(|found| (found.point, found.vertex))).collect::<Vec<_>>()
     })?;
     move_all(patch, &moves.concat(), par);
     Ok(())
 }
 
-/// Returns the new position of a vertex; `None` if it stays. Where the sum of normals is below the
-/// share `flat` of the sum of areas, the planes of the surface are searched for a crease.
+/// Returns the new position of a vertex; `None` if it stays.
 fn target(
     surface: &Surface<'_>,
     quadrics: &Quadrics<'_, '_>,
     patch: &Patch,
     v: u32,
-    flat: f64,
 ) -> Option<Found> {
     let here = patch.position(v);
     let anchor = patch.anchors[v as usize];
@@ -202,26 +198,19 @@ fn target(
     let step = sub(scale(sum, 1.0 / weight), here);
     let out = dot(step, normal);
     let p = std::array::from_fn(|k| here[k] + step[k] - out * normal[k]);
-    let bent = norm(normals);
-    if bent >= FLAT * weight {
+    if norm(normals) >= FLAT * weight {
         return on_surface(surface, anchor, p);
     }
     // Six equilateral triangles of side l have the area 3 sqrt(3) l^2 / 2, and `weight` is twice
     // that.
     let length = (weight / 27f64.sqrt()).sqrt();
-    let is_sharp = bent < flat * weight;
-    let p = if is_sharp { quadrics.sharpest(patch, v, p, length) } else { p };
-    let found = on_surface(surface, anchor, p)?;
+    let found = on_surface(surface, anchor, quadrics.sharpest(patch, v, p, length))?;
     let lost = norm(gap_of_move(patch, v, found.point, here));
     (lost <= MOVE_LOSS * length).then_some(found)
 }
 
 /// Ratio of the sum of normals to the sum of areas below which moving a vertex may lose detail.
 const FLAT: f64 = 0.95;
-
-/// The same ratio in the passes before the mesh settles, below which a vertex moves to a crease:
-/// a vertex at a slight one finds it in the last passes.
-const FLAT_AT_FIRST: f64 = 0.8;
 
 /// Largest distance of the faces from the old position of a moved vertex, relative to the length of
 /// its edges.

@@ -48,10 +48,6 @@ pub fn decimate(mesh: &TriMesh, n: usize, options: &DecimateOptions<'_>) -> Resu
 /// on all sides.
 const FINE: f64 = 0.7;
 
-/// Distance up to which cells grow one by one, relative to the side of a square of the area of one:
-/// the corners of hexagons are 0.62 from their middle, and farther along edges.
-const NEARER: f64 = 0.75;
-
 /// Bytes for a vertex of the result where the mesh is refined for it: two vertices and four faces
 /// of the refined mesh with what is adjacent to them (150 each), and the vertex itself.
 const BYTES_OF_A_VERTEX: f64 = 400.0;
@@ -247,10 +243,9 @@ impl<'m, 'o> Decimator<'m, 'o> {
             taken.clone_from(&samples);
         }
 
-        // Cells are about as large as the area that belongs to a sample. Most vertices are nearer,
-        // and the few that are not are reached from all cells together.
+        // Cells are about as large as the area that belongs to a sample.
         let radius = (area / n as f64).sqrt() / surface.scale;
-        let cutoff = (NEARER * radius) as f32;
+        let cutoff = radius as f32;
         let areas = if self.options.lloyd > 0 { vertex_areas(&surface.mesh) } else { Vec::new() };
         for pass in 0..self.options.lloyd {
             progress.part(0.4..0.6).report(pass as f64 / self.options.lloyd as f64)?;
