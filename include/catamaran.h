@@ -2105,21 +2105,18 @@ cata_status cata_curves_size(const cata_curves *curves, size_t curve, size_t *n_
 cata_status cata_curves_get(const cata_curves *curves, size_t curve, uint32_t *order,
     uint32_t *path, double *points);
 
-/** Gets where the points of a curve are on the mesh that the solver was created for. NULL where
- * not wanted. The first call takes time in proportion to the size of the mesh.
- * - `solver`: the solver that found the curves.
+/** Gets where the points of a curve are on the mesh of `solver`, which found the curves. NULL
+ * where not wanted. The first call takes time in proportion to the size of the mesh.
  * - `faces`: n_points elements, written: a face of the mesh, as it was given, for each point.
  * - `weights`: 3 n_points elements, written: barycentric coordinates in that face. */
 cata_status cata_curves_places(const cata_curves *curves, const cata_curve_solver *solver,
     size_t curve, uint32_t *faces, double *weights);
 
-/** Gets the number of samples that were dropped as outliers, and their numbers, ascending. NULL
- * where not wanted.
+/** Gets how many samples were dropped as outliers, and which, ascending. NULL where not wanted.
  * - `samples`: as many elements as `count` tells, written. */
 cata_status cata_curves_outliers(const cata_curves *curves, size_t *count, uint32_t *samples);
 
-/** Gets the numbers of the samples that no curve is through because their components of the
- * mesh have fewer than three; cata_curves_outcome counts them. */
+/** Gets the numbers of samples that no curve is through: components with fewer than three. */
 cata_status cata_curves_left_out(const cata_curves *curves, uint32_t *samples);
 
 /** @} */
@@ -2754,8 +2751,7 @@ cata_status cata_plant_new(size_t n, const double *tails, const double *radii,
 cata_status cata_plant_read(const char *path, const cata_plant_params *params, cata_plant **plant);
 
 /** Reads the plant in a file as cata_plant_read does, in the units of the file.
- * - `unit`: 2 elements: metres in a unit of its lengths and coordinates, and in one of its
- *   radii and diameters; NULL: 1 and 1.
+ * - `unit`: 2 numbers: metres in a unit of lengths, and in one of radii; NULL: 1 and 1.
  * - `individual`: the name of one of several plants in an .mtg file, such as P3, in UTF-8;
  *   NULL or an empty text: the file has one plant. The error without a name lists the names. */
 cata_status cata_plant_read_with(const char *path, const double *unit, const char *individual,
