@@ -111,8 +111,8 @@ pub fn rods(subjects: &[Subject], repeat: usize, libraries: &Path) -> Result<Par
     Ok(Part {
         figure: "rods",
         title: format!(
-            "plants that fall into their pose, {PLANT_STEPS} steps of 1/60 s on one thread; medians of {repeat} interleaved \
-             runs"
+            "plants that fall into their pose, {PLANT_STEPS} steps of 1/60 s on one thread; \
+             medians of {repeat} interleaved runs"
         ),
         columns: [
             "step, ms",
@@ -159,7 +159,8 @@ pub fn beam(repeat: usize, libraries: &Path) -> Result<Part> {
     Ok(Part {
         figure: "beam",
         title: format!(
-            "a beam of {SEGMENTS} segments ({LENGTH} m, radius {RADIUS} m, {MODULUS:.0e} Pa) comes to rest within {SECONDS} s, \
+            "a beam of {SEGMENTS} segments ({LENGTH} m, radius {RADIUS} m, {MODULUS:.0e} Pa) \
+             comes to rest within {SECONDS} s, \
              velocities decay at {DECAY} / s; one thread, medians of {repeat} interleaved runs"
         ),
         columns: ["all steps, s", "error of the sag, as a part of it", "largest gap, m"]

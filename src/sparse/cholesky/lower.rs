@@ -151,8 +151,8 @@ impl Lower {
     }
 }
 
-/// Returns whether columns of the lower triangle are read from the ends of the lines of a matrix: of
-/// two equal triangles always.
+/// Returns whether columns of the lower triangle are read from the ends of the lines of a matrix:
+/// of two equal triangles always.
 fn is_by_columns<T>(a: CsMatView<'_, T>, triangle: Triangle) -> bool {
     match triangle {
         Triangle::Both => true,
