@@ -78,7 +78,7 @@ fn factorizations_and_eigenpairs_ask() {
     let near = options.clone().shift(20.5).verify_count(true);
     check("eigs near a shift", 1e9, |_| eigs(w, m, &near).map(drop));
     check("eigs in slices", 1e9, |_| eigs_sliced(w, m, &options, 1 << 26, |_| Ok(())));
-    check("count_below", 1e8, |_| count_below(w, m, 20.5).map(drop));
+    check("count_below", 5e7, |_| count_below(w, m, 20.5).map(drop));
     let semidefinite = CholeskyOptions::new().semidefinite(true).par(Par::Seq);
     check("Cholesky::new", 1e7, |progress| {
         Cholesky::new(w, &semidefinite.clone().progress(progress)).map(drop)

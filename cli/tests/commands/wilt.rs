@@ -165,7 +165,7 @@ fn values_out_of_range_are_named_as_they_were_given() {
         ("--kappa <K|PART=K,...>", "leaf=0", "with a steepness K above 0"),
         ("--kappa-by-radius <MM=K,...>", "2=3,1=4", "with radii MM that ascend"),
         ("--steepest-at <W>", "nan", "expected a finite number"),
-        ("--elasticity <FULL,DRY>", "inf,1", "expected two numbers"),
+        ("--elasticity <FULL,DRY>", "inf,1", "expected 2 finite numbers"),
         ("--conductance <CHI>", "0", above_zero),
         ("--stomata <W,STEEPNESS[,CUTICULAR]>", "0.5,-1", "a steepness of at least 0"),
         ("--soil <GRAMS[,AT_FIRST]>", "1,2", "AT_FIRST from 0 to GRAMS"),
@@ -177,7 +177,7 @@ fn values_out_of_range_are_named_as_they_were_given() {
         ("--motion <SECONDS>", "0", above_zero),
         ("--steps-per-second <NUMBER>", "0", above_zero),
         ("--damping <RATE>", "-1", from_zero),
-        ("--wind <X,Y,Z>", "nan,0,0", "expected three numbers"),
+        ("--wind <X,Y,Z>", "nan,0,0", "expected 3 finite numbers"),
         ("--turbulence <PART>", "-1", from_zero),
     ] {
         let name = option.split(' ').next().unwrap();
@@ -487,8 +487,10 @@ fn days_without_end_are_refused_and_soil_of_nothing_ends_at_once() {
         ));
         table(&folder, &format!("{out}/water.csv")).1
     };
-    let (none, nothing) = (run("", "none"), run("--soil 1e-300", "nothing"));
+    let (none, nothing) = (run("", "none"), run("--soil 1e-12", "nothing"));
     assert!((nothing[2][1] / none[2][1] - 1.0).abs() < 1e-6, "{nothing:?} {none:?}");
+    let refused = folder.fail("wilt --grow 30 --hours 24 --frames 2 -o less --soil 1e-300");
+    assert!(refused.contains("capacity of the soil: must be at least 1e-15 kg"), "{refused}");
 }
 
 #[test]
@@ -669,7 +671,7 @@ fn options_of_motion_are_checked() {
     fails("--motion 0", "--motion");
     fails("--motion 1 --steps-per-second 0", "--steps-per-second");
     fails("--motion 1 --frames 0", "--frames");
-    fails("--motion 1 --wind 1,2", "three numbers");
+    fails("--motion 1 --wind 1,2", "expected 3 numbers");
     fails("--motion 1 --damping=-1", "damping");
     fails("--wind 1,2,3", "--motion");
     fails("--motion 1e9", "steps");

@@ -735,7 +735,7 @@ fn vertices_without_a_face_are_no_part_of_a_comparison() {
     let stray = TriMesh::new(vertices, square.faces().to_vec()).unwrap();
     for [a, b] in [[&square, &stray], [&stray, &square]] {
         let found = Comparison::between(a, b, Par::Seq).unwrap();
-        assert_eq!((found.out.largest, found.back.largest), (0.0, 0.0));
+        assert!(found.out.largest.max(found.back.largest) < 1e-15, "{found:?}");
     }
 }
 

@@ -197,7 +197,8 @@ impl<'a> Raw<'a> {
     /// Returns whether the array is text, each line of which has the numbers of a row.
     fn has_lines_of_rows(&self) -> bool {
         let [rows, columns] = self.shape[..] else { return false };
-        if !self.is_text() || rows == columns {
+        // A single row or column is the same in both orders.
+        if !self.is_text() || rows == columns || rows == 1 || columns == 1 {
             return false;
         }
         let lines = self.data.split(|&byte| byte == b'\n').map(|line| words(line).count());

@@ -17,7 +17,7 @@ use catamaran::base::{Error, Result, at_least_zero, builder, positive};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Soil {
-    /// The largest content, in kg, above 0.
+    /// The largest content, in kg, at least 1e-15: below it the flows of a plant are rounded.
     pub capacity: f64,
     /// The water in it at time 0, in kg, from 0 to the capacity. Default: the capacity.
     pub content: f64,
@@ -35,7 +35,12 @@ impl Soil {
     }
 
     pub(super) fn check(&self) -> Result<()> {
+        const LEAST: f64 = 1e-15;
         positive("capacity of the soil", self.capacity)?;
+        if self.capacity < LEAST {
+            let why = format!("must be at least {LEAST:e} kg, is {:e} kg", self.capacity);
+            return Err(Error::Argument { what: "capacity of the soil", why });
+        }
         positive("half of the soil", self.half)?;
         self.conductance.map_or(Ok(()), |g| at_least_zero("conductance of the soil", g))?;
         if (0.0..=self.capacity).contains(&self.content) {
@@ -118,6 +123,7 @@ mod tests {
             assert!(soil.check().unwrap_err().to_string().contains(part));
         };
         says(Soil::new(0.0), "capacity");
+        says(Soil::new(1e-16), "capacity of the soil: must be at least 1e-15 kg, is 1e-16 kg");
         says(Soil::new(1.0).content(1.5), "from 0 to 1 kg, is 1.5 kg");
         says(Soil::new(1.0).content(-0.5), "from 0 to 1 kg, is -0.5 kg");
         says(Soil::new(1.0).half(0.0), "half");
