@@ -58,7 +58,7 @@ def test_points_of_curves_are_on_faces_of_the_mesh_that_was_given():
     v, f = shapes.torus(40, 20)
     samples = [0, 405, 210, 600, 113, 700]
     curves = catamaran.curve(v, f, samples, smooth=True).curves
-    drawn = catamaran.draw((v, f), [(samples, {}), ([3, 205, 611], {})], smooth=True)
+    drawn = catamaran.draw(v, f, [(samples, {}), ([3, 205, 611], {})], smooth=True)
     for layer in drawn.layers:
         curves = curves + layer.curves
     for one in curves:
@@ -78,7 +78,7 @@ def test_outliers_are_dropped_on_request():
     found = catamaran.curve(v, f, stray, drop_outliers=True)
     assert len(alone.outliers) == 0 and list(found.outliers) == [9] and found.complete
     assert np.array_equal(found.curves[0].path, alone.curves[0].path)
-    layers = catamaran.draw((v, f), [(stray, {"drop_outliers": True}), (stray, {})]).layers
+    layers = catamaran.draw(v, f, [(stray, {"drop_outliers": True}), (stray, {})]).layers
     assert [len(layer.outliers) for layer in layers] == [1, 0]
     with pytest.raises(ValueError, match="drop_outliers"):
         catamaran.curve(v, f, stray, drop_outliers=True, mode="faithful")
