@@ -83,9 +83,9 @@ static void check_places(const cata_curve_solver *from, const cata_curves *curve
     CHECK_STATUS(cata_curves_places(curves, from, 0, on, weights), CATA_OK);
     for (size_t i = 0; i < n_points; i++) {
         CHECK(on[i] < FACES);
-        for (int k = 0; k < 3; k++) {
+        for (size_t k = 0; k < 3; k++) {
             double at = 0;
-            for (int j = 0; j < 3; j++) {
+            for (size_t j = 0; j < 3; j++) {
                 at += weights[3 * i + j] * vertices[3 * faces[3 * on[i] + j] + k];
             }
             CHECK(fabs(at - points[3 * i + k]) < 1e-12);
