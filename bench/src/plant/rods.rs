@@ -250,7 +250,7 @@ impl Problem {
         let n = plant.len();
         let put = |name: &str, columns: usize, entry: &dyn Fn(usize, usize) -> f64| -> Result<()> {
             let rows = if matches!(name, "step" | "frames" | "damping") { 1 } else { n };
-            let matrix = Mat::from_fn(rows, columns, |v, i| entry(v, i));
+            let matrix = Mat::from_fn(rows, columns, entry);
             let output = Output::create(&folder.join(format!("{name}.npy")), Overwrite::Replace)?;
             Ok(write(output, matrix.as_ref())?)
         };
