@@ -91,7 +91,7 @@ fn outliers_are_dropped_on_request_and_named() {
     let (first, rest) = ring.split_at(9);
     let with_stray = [first, &["210\n".to_owned()], rest].concat().concat();
     let folder = folder(&families::torus(40, 20, 2.0, 0.8).unwrap(), &ring.concat());
-    folder.write("strayed.txt", &format!("curve a\n{}curve b\n{with_stray}", ring.concat()));
+    folder.write("strayed.txt", format!("curve a\n{}curve b\n{with_stray}", ring.concat()));
     folder.succeed("curve mesh.obj --samples samples.txt -o alone.json");
     let said = folder.succeed("curve mesh.obj --samples strayed.txt --drop-outliers -o both.json");
     assert!(said.contains("outliers    b: 1 of 21 samples dropped: 29 (from 0)"), "{said}");
