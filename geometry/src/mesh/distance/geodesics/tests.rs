@@ -287,10 +287,10 @@ pub(super) fn random_surface(round: usize, rng: &mut Rng) -> TriMesh {
             face.swap(0, 1);
         }
     }
-    if round % 5 == 0 {
+    if round.is_multiple_of(5) {
         faces.retain(|_| rng.uniform() < 0.85);
     }
-    if round % 7 == 0 {
+    if round.is_multiple_of(7) {
         faces.push([0, x + 2, vertices.len() as u32 - 1]);
     }
     TriMesh::new(vertices, faces).unwrap()
