@@ -40,7 +40,7 @@ use crate::ranks::plan::{Blocks, TriangleLayout};
 ///
 /// # Errors
 /// [`Error::Rank`](crate::Error::Rank) when m, alpha or the precision differ, or another rank
-/// failed; else as [`ata_into`].
+/// failed; else as [`ata_into`](crate::ata_into).
 pub fn ata_columns<T: MpiReal>(
     world: &World,
     alpha: T,

@@ -52,7 +52,8 @@ impl Symbolic {
     /// ignored.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`] when memory is refused, and [`Error::Cancelled`].
+    /// [`Error::OutOfMemory`](crate::Error::OutOfMemory) when memory is refused, and
+    /// [`Error::Cancelled`](crate::Error::Cancelled).
     pub fn new(places: SymbolicSparseColMatRef<'_, usize>) -> Result<Self> {
         let graph = Graph::new(places)?;
         let stages = dissected(&graph)?;
@@ -93,7 +94,8 @@ impl Symbolic {
     /// definite.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`] when memory is refused, and [`Error::Cancelled`].
+    /// [`Error::OutOfMemory`](crate::Error::OutOfMemory) when memory is refused, and
+    /// [`Error::Cancelled`](crate::Error::Cancelled).
     pub fn positive(&self, a: SparseColMatRef<'_, usize, f64>) -> Result<Option<Factor>> {
         let (pattern, entries, memory) = (&self.pattern, &self.entries, Vec::new());
         let (par, progress) = (Par::Seq, Progress::none());
@@ -108,7 +110,8 @@ impl Symbolic {
     /// pivots are chosen inside supernodes.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`] when memory is refused, and [`Error::Cancelled`].
+    /// [`Error::OutOfMemory`](crate::Error::OutOfMemory) when memory is refused, and
+    /// [`Error::Cancelled`](crate::Error::Cancelled).
     pub fn indefinite(&self, a: SparseColMatRef<'_, usize, f64>) -> Result<Factor> {
         let (values, pivots) = numeric::indefinite(&self.pattern, &self.entries, a.val())?;
         let Pivots { subdiagonal, forward, inverse } = pivots;
