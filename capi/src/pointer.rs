@@ -470,7 +470,7 @@ pub(super) type MeshArrays<'a> = (&'a [[f64; 3]], &'a [[u32; 3]]);
 /// Returns the arrays of a mesh.
 ///
 /// # Safety
-/// As [`slice`], for 3 numbers of each vertex and 3 indices of each face.
+/// As [`slice()`], for 3 numbers of each vertex and 3 indices of each face.
 #[cfg(feature = "chapters")]
 pub(super) unsafe fn mesh_arrays<'a>(
     n_vertices: usize,
