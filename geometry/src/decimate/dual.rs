@@ -2,6 +2,7 @@
 
 use super::cells::Growth;
 use super::surface::Surface;
+use crate::mesh::has_corner_twice;
 use catamaran::base::Par;
 
 /// Number of vertices or faces that one thread takes at a time.
@@ -13,7 +14,7 @@ pub(super) fn faces(surface: &Surface<'_>, growth: &Growth, par: Par) -> Vec<[u3
     let all = surface.mesh.faces();
     let blocks = par.map_blocks(all.len(), BLOCK, |range| {
         let cells = all[range].iter().map(|face| face.map(|v| growth.cell(v)));
-        cells.filter(|&[a, b, c]| a != b && b != c && c != a).collect::<Vec<_>>()
+        cells.filter(|cells| !has_corner_twice(cells)).collect::<Vec<_>>()
     });
     blocks.concat()
 }

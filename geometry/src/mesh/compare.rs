@@ -79,9 +79,8 @@ fn one_sided(mesh: &TriMesh, other: &Triangles, par: Par) -> Result<OneSided> {
     let angles: Vec<f64> = at_points.iter().filter_map(|(_, angle)| *angle).collect();
     let largest = distances.clone().fold(0.0, f64::max);
     // Not vertices without a face, which are no part of the surface.
-    let mut used = vec![false; mesh.vertices().len()];
-    mesh.faces().as_flattened().iter().for_each(|&v| used[v as usize] = true);
-    let corners = mesh.vertices().iter().zip(used).filter_map(|(&p, used)| used.then_some(p));
+    let corners = mesh.vertices().iter().zip(mesh.referenced());
+    let corners = corners.filter_map(|(&p, used)| used.then_some(p));
     let corners: Vec<_> = corners.collect();
     let vertices = other.squares(&corners, par).into_iter().fold(0.0, f64::max).sqrt();
     Ok(OneSided {

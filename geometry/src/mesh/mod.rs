@@ -49,4 +49,5 @@ pub use repair::{
 };
 pub use topology::{Adjacency, Components, Edges, Genus};
 pub use trimesh::TriMesh;
+pub(crate) use trimesh::has_corner_twice;
 pub use validation::{Problem, Validation};

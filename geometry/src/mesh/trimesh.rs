@@ -59,8 +59,7 @@ impl TriMesh {
                     format!("face {f}"),
                 );
             }
-            let [a, b, c] = *face;
-            if a == b || b == c || c == a {
+            if has_corner_twice(face) {
                 return refused(
                     format!("has the same vertex twice: {face:?}"),
                     format!("face {f}"),
@@ -89,4 +88,9 @@ impl TriMesh {
     pub fn into_parts(self) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
         (self.vertices, self.faces)
     }
+}
+
+/// Returns whether two corners of a triangle, vertices or positions, are the same.
+pub(crate) fn has_corner_twice<T: PartialEq>([a, b, c]: &[T; 3]) -> bool {
+    a == b || b == c || c == a
 }

@@ -2,6 +2,7 @@
 
 use robust::{Coord, Coord3D, orient2d, orient3d};
 
+use crate::mesh::has_corner_twice;
 use crate::mesh::vector::{Vector, add, cross, dot, doubled_normal, sub, unit};
 
 /// The corners of a triangle.
@@ -42,7 +43,7 @@ pub(crate) fn intersect(first: &Corners, second: &Corners) -> bool {
                 && (meets_edge(second, of_first) || meets_edge(first, of_second))
         }
         // A triangle with two equal corners is an edge.
-        2.. if [first, second].into_iter().any(|[a, b, c]| a == b || b == c || c == a) => false,
+        2.. if [first, second].into_iter().any(has_corner_twice) => false,
         2 => {
             // The xor of both common corners, numbered from 1, is the third one.
             let (lone, other) = (in_first - 1, second[in_second - 1]);

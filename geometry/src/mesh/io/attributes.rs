@@ -1,4 +1,4 @@
-use super::super::{Part, TriMesh};
+use super::super::{Part, TriMesh, has_corner_twice};
 use super::labels::{Labels, check_name};
 use super::notes::{COLLAPSED, Notes};
 use catamaran::base::{Error, Result};
@@ -49,9 +49,8 @@ impl MeshFile {
     /// # Errors
     /// Those of [`TriMesh::new`], with the numbers that faces have without these triangles.
     pub fn from_arrays(vertices: Vec<[f64; 3]>, mut faces: Vec<[u32; 3]>) -> Result<Self> {
-        let collapsed = |&[a, b, c]: &[u32; 3]| a == b || b == c || c == a;
-        let (all, first) = (faces.len(), faces.iter().position(collapsed));
-        faces.retain(|face| !collapsed(face));
+        let (all, first) = (faces.len(), faces.iter().position(has_corner_twice));
+        faces.retain(|face| !has_corner_twice(face));
         let collapsed_faces = all - faces.len();
         let mut notes = Notes::default();
         let place = || format!("face {}", first.unwrap_or_default());

@@ -1,7 +1,7 @@
 use std::collections::HashMap;
 use std::hash::Hash;
 
-use super::super::{Part, TriMesh};
+use super::super::{Part, TriMesh, has_corner_twice};
 use super::attributes::MeshFile;
 use super::notes::{COLLAPSED, Notes};
 use super::polygon::{corners_of, fan, not_a_fan};
@@ -149,8 +149,7 @@ impl Draft {
         }
         let first = self.faces.len();
         for face in fan(corners) {
-            let [a, b, c] = face;
-            if a == b || b == c || c == a {
+            if has_corner_twice(&face) {
                 self.collapse(&place);
             }
             push(&mut self.faces, face)?;
@@ -194,8 +193,7 @@ impl Draft {
         self.cut_polygons(corners);
         let mut collapsed_faces = 0;
         if let Some(place) = self.collapsed_at.take() {
-            let kept = |&[a, b, c]: &[u32; 3]| a != b && b != c && c != a;
-            let kept: Vec<bool> = self.faces.iter().map(kept).collect();
+            let kept: Vec<bool> = self.faces.iter().map(|face| !has_corner_twice(face)).collect();
             collapsed_faces = kept.iter().filter(|&&kept| !kept).count();
             self.notes.add_many(COLLAPSED, collapsed_faces, || place);
             keep(&mut self.faces, &kept);

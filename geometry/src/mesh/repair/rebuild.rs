@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::super::io::{Attribute, Labels, MeshFile};
-use super::super::{Part, TriMesh};
+use super::super::{Part, TriMesh, has_corner_twice};
 use catamaran::base::{Result, Sets};
 
 /// Marks a vertex that was left out.
@@ -77,9 +77,9 @@ impl Rebuild {
         let joined: Vec<u32> = to.iter().map(|&v| number[v as usize]).collect();
         let mut new = Self { vertices, faces: vec![], corners: vec![], insertions, joined: None };
         for (face, corners) in faces.iter().zip(corners) {
-            let [a, b, c] = face.map(|v| joined[v as usize]);
-            if a != b && b != c && c != a {
-                new.faces.push([a, b, c]);
+            let face = face.map(|v| joined[v as usize]);
+            if !has_corner_twice(&face) {
+                new.faces.push(face);
                 new.corners.push(corners);
             }
         }

@@ -1,5 +1,6 @@
 //! Joins the primitives of a file into one mesh.
 
+use super::super::super::has_corner_twice;
 use super::super::attributes::{Attribute, MeshFile};
 use super::super::draft::{Checked, Draft, Numbers, bits};
 use super::super::labels::{Labels, clean_name};
@@ -63,8 +64,7 @@ impl Assembly {
         let material = material.and_then(|number| u32::try_from(number).ok());
         push(&mut self.materials, material.unwrap_or(ABSENT))?;
         // The vertices are renumbered when all are known.
-        let [a, b, c] = face.map(|v| self.vertices[v as usize].position);
-        if a == b || b == c || c == a {
+        if has_corner_twice(&face.map(|v| self.vertices[v as usize].position)) {
             self.draft.collapse(place);
         }
         Ok(())

@@ -24,6 +24,7 @@ use self::container::Content;
 use self::document::{Primitive, code};
 use self::layout::width;
 use self::scene::Placed;
+use super::super::has_corner_twice;
 use super::attributes::MeshFile;
 use super::draft::Checked;
 use super::polygon::fan;
@@ -133,8 +134,8 @@ impl Reader<'_, '_, '_> {
                     if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[1], t[0], t[2]] }
                 };
                 // Strips repeat vertices to change direction; these triangles have no area.
-                let whole = |&[a, b, c]: &[u32; 3]| a != b && b != c && c != a;
-                corners.windows(3).enumerate().map(turned).filter(whole).collect()
+                let all = corners.windows(3).enumerate().map(turned);
+                all.filter(|face| !has_corner_twice(face)).collect()
             }
             _ => fan(&corners).collect(),
         };

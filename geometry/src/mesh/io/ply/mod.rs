@@ -9,6 +9,7 @@ mod write;
 use self::element::{Element, Name};
 use self::header::Header;
 use self::rows::Rows;
+use super::super::has_corner_twice;
 use super::attributes::{Attribute, MeshFile};
 use super::draft::{Checked, Draft, roomy};
 use super::polygon::fan;
@@ -198,7 +199,7 @@ impl Reader {
             let numbers = numbers.collect::<Checked<Vec<u32>>>()?;
             for (i, triangle) in numbers.windows(3).enumerate() {
                 let (a, b, c) = (triangle[0], triangle[1], triangle[2]);
-                if a != b && b != c && c != a {
+                if !has_corner_twice(&[a, b, c]) {
                     let face = if i % 2 == 0 { [a, b, c] } else { [b, a, c] };
                     push(&mut self.draft.faces, face)?;
                 }
