@@ -1,10 +1,11 @@
-! From Fortran: a product, least squares with standard errors, eigenpairs of a path, and the water
-! of a plant; each is checked.
+! From Fortran: a product, least squares with standard errors, a sparse factorization and eigenpairs
+! of a path, and the water of a plant; each is checked.
 program example
   use catamaran
   implicit none
   call products()
   call squares()
+  call factorization()
   call eigenpairs()
   call water()
 
@@ -64,10 +65,12 @@ contains
   end subroutine squares
 
   ! The path of n nodes: 2 - 2 cos(pi k / n).
-  subroutine eigenpairs()
-    integer(c_size_t), parameter :: n = 100, k = 5
-    integer(c_size_t) :: starts(n + 1), columns(3 * n - 2), i, j, last
-    real(c_double) :: entries(3 * n - 2), values(k), vectors(n, k), worst
+  ! The Laplacian of a path of n vertices, by rows.
+  subroutine path(n, starts, columns, entries)
+    integer(c_size_t), intent(in) :: n
+    integer(c_size_t), intent(out) :: starts(n + 1), columns(3 * n - 2)
+    real(c_double), intent(out) :: entries(3 * n - 2)
+    integer(c_size_t) :: i, j, last
     last = 0
     starts(1) = 0
     do i = 1, n
@@ -78,6 +81,33 @@ contains
       end do
       starts(i + 1) = last
     end do
+  end subroutine path
+
+  subroutine factorization()
+    integer(c_size_t), parameter :: n = 100
+    integer(c_size_t) :: starts(n + 1), columns(3 * n - 2), i, rows, size_of_l
+    real(c_double) :: entries(3 * n - 2), x(n)
+    type(c_ptr) :: cholesky
+    call path(n, starts, columns, entries)
+    entries(1) = 2
+    call check(cata_cholesky_analyse(n, starts, columns, cholesky=cholesky))
+    call check(cata_cholesky_factor(cholesky, starts, columns, entries))
+    call check(cata_cholesky_size(cholesky, rows, size_of_l))
+    call require(rows == n .and. size_of_l >= 2 * n - 1, 'another size')
+    x = 0
+    x(n) = 1
+    call check(cata_cholesky_solve(cholesky, CATA_COL_MAJOR, 1_c_size_t, x, n))
+    call cata_cholesky_free(cholesky)
+    ! With the first row held at 0 by one more edge, the values grow by 1 from vertex to vertex.
+    call require(maxval(abs(x - [(i, i = 1, n)])) < 1e-10_c_double, 'another solution')
+    print '(a, i0, a)', 'a factor of ', size_of_l, ' entries'
+  end subroutine factorization
+
+  subroutine eigenpairs()
+    integer(c_size_t), parameter :: n = 100, k = 5
+    integer(c_size_t) :: starts(n + 1), columns(3 * n - 2), i
+    real(c_double) :: entries(3 * n - 2), values(k), vectors(n, k), worst
+    call path(n, starts, columns, entries)
     call check(cata_eigs(n, starts, columns, entries, k=k, eigenvalues=values, &
                          eigenvectors=vectors, ldv=n))
     worst = maxval(abs(values - [(2 - 2 * cos(acos(-1.0_c_double) * (i - 1) / n), i = 1, k)]))

@@ -11,7 +11,7 @@ if(CATAMARAN_MPI)
 endif()
 install(TARGETS catamaran_shared
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime NAMELINK_COMPONENT development)
-install(FILES "${static}" DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
+install(FILES "${installed_static}" DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
 install(FILES $<TARGET_FILE:catamaran_shared>.debug
   DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT debug EXCLUDE_FROM_ALL)
 

@@ -36,3 +36,10 @@ add_custom_command(TARGET catamaran_shared POST_BUILD
   COMMAND ${CMAKE_OBJCOPY} --strip-unneeded
     --add-gnu-debuglink=$<TARGET_FILE:catamaran_shared>.debug $<TARGET_FILE:catamaran_shared>
   VERBATIM)
+
+# What is installed of the static library: two thirds of it are debug information.
+set(installed_static "${CMAKE_CURRENT_BINARY_DIR}/installed/libcatamaran.a")
+add_custom_command(TARGET catamaran_shared POST_BUILD
+  COMMAND ${CMAKE_COMMAND} -E make_directory "${CMAKE_CURRENT_BINARY_DIR}/installed"
+  COMMAND ${CMAKE_OBJCOPY} --strip-debug "${static}" "${installed_static}"
+  VERBATIM)

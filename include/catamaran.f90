@@ -96,6 +96,17 @@ module catamaran
     integer(c_int32_t) :: pin = 0
   end type cata_ata_params
 
+  type, bind(C) :: cata_cholesky_params
+    integer(c_size_t) :: struct_size = 0
+    integer(c_size_t) :: threads = 0
+    type(c_funptr) :: progress = c_null_funptr
+    type(c_ptr) :: progress_user = c_null_ptr
+    type(c_ptr) :: order = c_null_ptr
+    real(c_double) :: tolerance = 0
+    integer(c_int32_t) :: triangle = 0
+    integer(c_int32_t) :: semidefinite = 0
+  end type cata_cholesky_params
+
   type, bind(C) :: cata_eigs_params
     integer(c_size_t) :: struct_size = 0
     integer(c_size_t) :: threads = 0
@@ -902,6 +913,73 @@ module catamaran
       real(c_double), intent(inout), optional :: singular_values(*), mean(*), scale(*)
       type(cata_pca_params), intent(in), optional :: params
     end function cata_accumulator_pca
+    function cata_cholesky_params_init(params, struct_size) bind(C) result(returned)
+      import
+      integer(c_int32_t) :: returned
+      type(cata_cholesky_params), intent(inout), optional :: params
+      integer(c_size_t), value :: struct_size
+    end function cata_cholesky_params_init
+    function cata_cholesky_analyse(n, row_starts, columns, params, &
+        cholesky) bind(C) result(returned)
+      import
+      integer(c_int32_t) :: returned
+      integer(c_size_t), value :: n
+      integer(c_size_t), intent(in), optional :: row_starts(*), columns(*)
+      type(cata_cholesky_params), intent(in), optional :: params
+      type(c_ptr), intent(inout) :: cholesky
+    end function cata_cholesky_analyse
+    subroutine cata_cholesky_free(cholesky) bind(C)
+      import
+      type(c_ptr), value :: cholesky
+    end subroutine cata_cholesky_free
+    function cata_cholesky_factor(cholesky, row_starts, columns, entries) bind(C) result(returned)
+      import
+      integer(c_int32_t) :: returned
+      type(c_ptr), value :: cholesky
+      integer(c_size_t), intent(in), optional :: row_starts(*), columns(*)
+      real(c_double), intent(in), optional :: entries(*)
+    end function cata_cholesky_factor
+    function cata_cholesky_solve(cholesky, layout, count, x, ldx) bind(C) result(returned)
+      import
+      integer(c_int32_t) :: returned
+      type(c_ptr), value :: cholesky
+      integer(c_int32_t), value :: layout
+      integer(c_size_t), value :: count
+      real(c_double), intent(inout), optional :: x(*)
+      integer(c_size_t), value :: ldx
+    end function cata_cholesky_solve
+    function cata_cholesky_solve_rows(cholesky, layout, count, b, ldb, n_rows, rows, x, &
+        ldx) bind(C) result(returned)
+      import
+      integer(c_int32_t) :: returned
+      type(c_ptr), value :: cholesky
+      integer(c_int32_t), value :: layout
+      integer(c_size_t), value :: count
+      real(c_double), intent(in), optional :: b(*)
+      integer(c_size_t), value :: ldb, n_rows
+      integer(c_size_t), intent(in), optional :: rows(*)
+      real(c_double), intent(inout), optional :: x(*)
+      integer(c_size_t), value :: ldx
+    end function cata_cholesky_solve_rows
+    function cata_cholesky_size(cholesky, n, entries, held) bind(C) result(returned)
+      import
+      integer(c_int32_t) :: returned
+      type(c_ptr), value :: cholesky
+      integer(c_size_t), intent(inout), optional :: n, entries, held
+    end function cata_cholesky_size
+    function cata_cholesky_held(cholesky, held) bind(C) result(returned)
+      import
+      integer(c_int32_t) :: returned
+      type(c_ptr), value :: cholesky
+      integer(c_size_t), intent(inout), optional :: held(*)
+    end function cata_cholesky_held
+    function cata_cholesky_weakest(cholesky, row, ratio) bind(C) result(returned)
+      import
+      integer(c_int32_t) :: returned
+      type(c_ptr), value :: cholesky
+      integer(c_size_t), intent(inout), optional :: row
+      real(c_double), intent(inout), optional :: ratio
+    end function cata_cholesky_weakest
     function cata_eigs_params_init(params, struct_size) bind(C) result(returned)
       import
       integer(c_int32_t) :: returned

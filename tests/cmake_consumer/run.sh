@@ -61,6 +61,9 @@ if [ -e "$work/build/stranger_mpi" ]; then
         > "$work/log" 2>&1 || fail "catamaran::mpi"
     step "catamaran::mpi"
 fi
+if [ -e "$work/build/stranger_fortran" ]; then
+    runs "catamaran::fortran" "$work/build/stranger_fortran"
+fi
 if [ -e "$work/build/stranger_blas" ]; then runs "catamaran::blas" "$work/build/stranger_blas"; fi
 
 for version in 9.9 0.2 1.0; do

@@ -15,16 +15,19 @@ pub const FORTRAN: Generated = Generated {
 };
 
 /// The sections of the header that Fortran has.
-const SECTIONS: [&str; 8] = ["status", "backend", "ata", "gram", "rows", "eigs", "mesh", "plants"];
+const SECTIONS: [&str; 9] =
+    ["status", "backend", "ata", "gram", "rows", "cholesky", "eigs", "mesh", "plants"];
 
-/// Pointers to one number; others are arrays.
-const SCALARS: [&str; 18] = [
+/// Factors of complex products, which are read.
+const FACTORS: [&str; 2] = ["alpha", "beta"];
+
+/// Pointers to one number that is written, as are all those of a function of [`ONE_EACH`]; others are
+/// arrays.
+const SCALARS: [&str; 16] = [
     "major",
     "minor",
     "patch",
     "len",
-    "alpha",
-    "beta",
     "passed",
     "residual",
     "tolerance",
@@ -38,6 +41,9 @@ const SCALARS: [&str; 18] = [
     "iterations",
     "gap",
 ];
+
+/// Ends of the names of functions that write one number at a time.
+const ONE_EACH: [&str; 2] = ["_size", "_weakest"];
 
 fn generate(root: &Path) -> Result<String, String> {
     module(&Header::parse(&super::read(&root.join(HEADER.name))?))
@@ -162,7 +168,12 @@ fn dummy(function: &Function, argument: &str, header: &Header) -> Result<(String
         }
         (Some(number), 1) => {
             let number = if is_complex { number.replace("real", "complex") } else { number.into() };
-            (format!("{number}, {optional}"), entity(SCALARS.contains(&name)))
+            let one_each = ONE_EACH.iter().any(|end| function.name.ends_with(end));
+            let is_scalar = match intent {
+                "in" => FACTORS.contains(&name),
+                _ => one_each || SCALARS.contains(&name),
+            };
+            (format!("{number}, {optional}"), entity(is_scalar))
         }
         (None, 0) => ("type(c_funptr), value".to_owned(), entity(true)),
         (None, 1) if header.structs.contains_key(base) => {
