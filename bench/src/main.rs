@@ -9,7 +9,7 @@ use catamaran_bench::{Result, host};
 use clap::Parser;
 
 use commands::{
-    accuracy, batched, cholesky, decimate, functional_map, gram, grid, laplacian, ortho, race,
+    accuracy, batched, cholesky, decimate, functional_map, gram, grid, laplacian, once, ortho, race,
     reproduce, scale, spectrum, stream,
 };
 
@@ -24,6 +24,8 @@ enum Command {
     Grid(grid::Arguments),
     /// A^T A of many small matrices at once against gemm_batch_strided and a loop of syrk.
     Batched(batched::Arguments),
+    /// One contender at one product, in a process of its own.
+    Once(once::Arguments),
     /// Errors of A^T A, entry by entry, beside those of the syrk of BLAS libraries.
     Accuracy(accuracy::Arguments),
     /// A^T A on many ranks, as the plans predict it.
@@ -59,6 +61,7 @@ fn main() {
         Command::Atb(a) => beside(&a.common.libraries, &|| race::run(Operation::Gemm, a)),
         Command::Grid(a) => beside(&a.common.libraries, &|| grid::run(a)),
         Command::Batched(a) => beside(&a.common.libraries, &|| batched::run(a)),
+        Command::Once(a) => beside(&a.libraries, &|| once::print(a)),
         Command::Accuracy(a) => beside(&a.common.libraries, &|| accuracy::run(a)),
         Command::Scale(a) => scale::run(a),
         Command::Stream(a) => stream::run(a),

@@ -2,6 +2,7 @@
 
 mod eigen;
 mod memory;
+mod narrow;
 mod qr;
 mod rows;
 mod svd;

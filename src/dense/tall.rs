@@ -8,6 +8,7 @@ use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, Mat, MatMut, MatRef};
 
 use super::memory::zeros;
+use super::narrow;
 use super::rows::{block, by_pieces, pieces};
 use crate::base::{Par, Result, spend};
 
@@ -32,7 +33,11 @@ pub fn transposed_product(a: MatRef<'_, f64>, b: MatRef<'_, f64>, par: Par) -> R
         let parts = par.map_blocks(height, block, |rows| -> Result<Mat<f64>> {
             let mut product = zeros(a.ncols(), b.ncols())?;
             let (a, b) = (a.subrows(rows.start, rows.len()), b.subrows(rows.start, rows.len()));
-            matmul(product.as_mut(), Accum::Replace, a.transpose(), b, 1.0, faer::Par::Seq);
+            if narrow::serves(a, b) {
+                narrow::add_transposed(product.as_mut(), a, b);
+            } else {
+                matmul(product.as_mut(), Accum::Replace, a.transpose(), b, 1.0, faer::Par::Seq);
+            }
             Ok(product)
         });
         for part in parts {
@@ -58,7 +63,11 @@ pub fn subtract_product(
     let block = block(operations, BLOCK);
     by_pieces(x, block, operations, par, |first, x| {
         let a = a.subrows(first, x.nrows());
-        matmul(x, Accum::Add, a, b, -1.0, faer::Par::Seq);
+        if narrow::serves(a, x.rb()) {
+            narrow::subtract(x, a, b);
+        } else {
+            matmul(x, Accum::Add, a, b, -1.0, faer::Par::Seq);
+        }
     })
 }
 

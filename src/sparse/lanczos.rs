@@ -27,6 +27,22 @@ pub(crate) struct Nearby {
     pub from_shift: Vec<f64>,
 }
 
+/// To which columns of the basis a new block is made orthogonal.
+///
+/// A block that is orthogonal to its neighbours is so to all others up to rounding, times the factor
+/// by which it was shorter than the operator's values. That does not harm T (Simon 1984), but grows
+/// from block to block, so that every second block is cleaned together with the one before it
+/// (Grcar 1981): the basis is read half as often.
+#[derive(Clone, Copy)]
+enum Reach {
+    /// To all.
+    All,
+    /// To those from this one on: the block lags.
+    Near(usize),
+    /// To all; and the block before it, which lags, to those before that.
+    Both,
+}
+
 /// A Krylov space, of which each process has the rows given by the pencil: a basis V, `V^T M V =
 /// I`, of which the first `len` columns satisfy `(W - sigma M)^-1 M V = V T + Q (B 0 .. 0 I)`, with
 /// the block Q of the next `WIDTH` columns.
@@ -45,12 +61,14 @@ pub(crate) struct Krylov<'a> {
     /// T, and below it the coupling of Q to the columns from `coupled` on.
     projected: Mat<f64>,
     coupled: usize,
-    /// M Q.
+    /// M Q, then a work block.
     weighted: Mat<f64>,
+    /// Whether Q was made orthogonal to its neighbours only.
+    lagging: bool,
     /// Columns by which [`Krylov::probe`] has expanded V.
     probed: usize,
-    /// Two work blocks.
-    work: [Mat<f64>; 2],
+    /// A work block.
+    work: Mat<f64>,
     rng: Rng,
     solves: usize,
     restarts: usize,
@@ -84,9 +102,10 @@ impl<'a> Krylov<'a> {
             len: 0,
             projected: zeros(size, size)?,
             coupled: 0,
-            weighted: zeros(n, WIDTH)?,
+            weighted: zeros(n, 2 * WIDTH)?,
+            lagging: false,
             probed: 0,
-            work: [zeros(n, WIDTH)?, zeros(n, WIDTH)?],
+            work: zeros(n, WIDTH)?,
             rng: Rng::new(options.seed),
             solves: 0,
             restarts: 0,
@@ -123,36 +142,38 @@ impl<'a> Krylov<'a> {
     /// Replaces Q by random directions to which the operator has been applied once, and which
     /// couple to nothing.
     fn random_restart(&mut self, factor: &dyn Inverse) -> Result<()> {
-        for j in 0..WIDTH {
+        let mut random = self.weighted.as_mut().subcols_mut(WIDTH, WIDTH);
+        for column in random.rb_mut().col_iter_mut() {
             spend(4.0 * self.pencil.inner().dimension() as f64)?;
-            let column = self.work[1].as_mut().col_mut(j);
             randomize(column, self.pencil, &mut self.rng, self.mass_norm);
         }
-        let [x, random] = &mut self.work;
-        let par = self.options.par;
-        self.pencil.inner().apply_mass(random.as_ref(), x.as_mut(), par)?;
+        let (x, par) = (&mut self.work, self.options.par);
+        self.pencil.inner().apply_mass(random.rb(), x.as_mut(), par)?;
         factor.solve(x.as_mut(), par)?;
         self.solves += WIDTH;
-        self.orthonormalize(self.len, 0.0, None)?;
+        self.orthonormalize(self.len, 0.0, None, Reach::All)?;
         self.coupled = self.len;
         self.append()
     }
 
-    /// Puts the first work block into the basis as Q.
+    /// Puts the work block into the basis as Q.
     fn append(&mut self) -> Result<()> {
-        let x = self.work[0].as_ref();
+        let x = self.work.as_ref();
         self.basis.as_mut().subcols_mut(self.len, WIDTH).copy_from(x);
-        self.pencil.inner().apply_mass(x, self.weighted.as_mut(), self.options.par)
+        let weighted = self.weighted.as_mut().subcols_mut(0, WIDTH);
+        self.pencil.inner().apply_mass(x, weighted, self.options.par)
     }
 
-    /// Adds Q to V, and finds the next Q.
-    fn expand(&mut self, factor: &dyn Inverse) -> Result<()> {
+    /// Adds Q to V, and finds the next Q; it `may_lag` behind in orthogonality where another
+    /// expansion follows before anything else is asked of the space.
+    fn expand(&mut self, factor: &dyn Inverse, may_lag: bool) -> Result<()> {
         let (len, coupled, par) = (self.len, self.coupled, self.options.par);
-        let x = &mut self.work[0];
-        x.copy_from(&self.weighted);
+        let x = &mut self.work;
+        let weighted = self.weighted.as_ref().subcols(0, WIDTH);
+        x.copy_from(weighted);
         factor.solve(x.as_mut(), par)?;
         self.solves += WIDTH;
-        let diagonal = inner_products(self.pencil, self.weighted.as_ref(), x.as_ref(), par)?;
+        let diagonal = inner_products(self.pencil, weighted, x.as_ref(), par)?;
         self.projected.as_mut().submatrix_mut(len, len, WIDTH, WIDTH).copy_from(&diagonal);
         // The components along Q and its neighbours.
         let near = self.basis.as_ref().subcols(coupled, len + WIDTH - coupled);
@@ -164,7 +185,12 @@ impl<'a> Krylov<'a> {
         own.copy_from(&diagonal);
         let reference = coefficients.norm_l2();
         subtract_product(x.as_mut(), near, coefficients.as_ref(), par)?;
-        let coupling = self.orthonormalize(len + WIDTH, reference, Some(len))?;
+        let reach = match (self.lagging, may_lag && coupled > 0) {
+            (true, _) => Reach::Both,
+            (false, true) => Reach::Near(coupled),
+            (false, false) => Reach::All,
+        };
+        let coupling = self.orthonormalize(len + WIDTH, reference, Some(len), reach)?;
         let mut own = self.projected.as_mut().submatrix_mut(len, len, WIDTH, WIDTH);
         for j in 0..WIDTH {
             for i in 0..j {
@@ -178,18 +204,22 @@ impl<'a> Krylov<'a> {
         self.append()
     }
 
-    /// Makes the first work block X orthonormal and orthogonal to the first `count` columns of the
-    /// basis, and returns B with `X before = X after B + (columns of the basis)`. Columns that are
-    /// below rounding, for the length `reference`, are replaced by random directions, with zeros in
-    /// B. Components along the block at `own` are added to T.
+    /// Makes the work block X orthonormal and orthogonal to the first `count` columns of the basis,
+    /// as far as `reach` says, and returns B with `X before = X after B + (columns of the basis)`.
+    /// Columns that are below rounding, for the length `reference`, are replaced by random
+    /// directions, with zeros in B. Components along the block at `own` are added to T.
     fn orthonormalize(
         &mut self,
         count: usize,
         reference: f64,
         own: Option<usize>,
+        mut reach: Reach,
     ) -> Result<Mat<f64>> {
         /// Length, relative to the reference, below which a column is only rounding.
         const ROUNDING: f64 = 1e-14;
+        /// Length, relative to the reference, below which a block may not lag: the rounding of the
+        /// operator, relative to the reference, is larger in a normalized column by its inverse.
+        const LAGGING: f64 = 1e-3;
         /// Each pass normalizes columns that are shorter than the longest by up to this factor.
         const RANGE: f64 = 1e-8;
         /// A normalized column that projection makes shorter than this lay in the span of the
@@ -199,25 +229,26 @@ impl<'a> Krylov<'a> {
         let (pencil, par) = (self.pencil, self.options.par);
         let mut coupling = Mat::<f64>::identity(WIDTH, WIDTH);
         for pass in 0..PASSES {
-            let [x, mx] = &mut self.work;
             if pass > 0 && count > 0 {
-                pencil.inner().apply_mass(x.as_ref(), mx.as_mut(), par)?;
-                let basis = self.basis.as_ref().subcols(0, count);
-                let overlap = inner_products(pencil, basis, mx.as_ref(), par)?;
-                subtract_product(x.as_mut(), basis, overlap.as_ref(), par)?;
+                let overlap = self.project(count, if pass == 1 { reach } else { Reach::All })?;
                 if let Some(own) = own {
                     let found = overlap.as_ref().subrows(own, WIDTH) * &coupling;
                     let mut t = self.projected.as_mut().submatrix_mut(own, own, WIDTH, WIDTH);
                     t += &found;
                 }
             }
-            pencil.inner().apply_mass(x.as_ref(), mx.as_mut(), par)?;
-            let gram = inner_products(pencil, x.as_ref(), mx.as_ref(), par)?;
+            let x = &mut self.work;
+            let mut mx = self.weighted.as_mut().subcols_mut(WIDTH, WIDTH);
+            pencil.inner().apply_mass(x.as_ref(), mx.rb_mut(), par)?;
+            let gram = inner_products(pencil, x.as_ref(), mx.rb(), par)?;
             let SymmetricEigen { values, vectors } =
                 symmetric_eigen(gram.as_ref()).map_err(|error| failed(error, self.restarts))?;
             let longest = values[WIDTH - 1].max(0.0).sqrt();
             let lengths: Vec<f64> =
                 values.iter().map(|v| v.max(0.0).sqrt().max(RANGE * longest)).collect();
+            if pass == 0 && matches!(reach, Reach::Near(_)) && lengths[0] < LAGGING * reference {
+                reach = Reach::All;
+            }
             let turned = |i: usize| (0..WIDTH).map(move |j| (i, j));
             let mut next = vectors.transpose() * &coupling;
             for (i, length) in lengths.iter().enumerate() {
@@ -239,18 +270,55 @@ impl<'a> Krylov<'a> {
             coupling = next;
             let steady = lengths.iter().all(|length| (0.5..2.0).contains(length));
             if pass > 0 && steady && !replaced {
+                self.lagging = pass == 1 && matches!(reach, Reach::Near(_));
                 return Ok(coupling);
             }
         }
         Err(not_finite(self.restarts))
     }
 
+    /// Takes from the work block X its components along the first `count` columns of the basis, as
+    /// far as `reach` says; returns the coefficients.
+    fn project(&mut self, count: usize, reach: Reach) -> Result<Mat<f64>> {
+        let (pencil, par) = (self.pencil, self.options.par);
+        let (x, weighted) = (&mut self.work, &mut self.weighted);
+        let weigh = |weighted: &mut Mat<f64>, x: &Mat<f64>| {
+            let mx = weighted.as_mut().subcols_mut(WIDTH, WIDTH);
+            pencil.inner().apply_mass(x.as_ref(), mx, par)
+        };
+        weigh(weighted, x)?;
+        let mut overlap = zeros(count, WIDTH)?;
+        let mut first = 0;
+        match reach {
+            Reach::All => {}
+            Reach::Near(from) => first = from,
+            Reach::Both => {
+                // Q and X side by side, so that V is read once for both.
+                first = count - WIDTH;
+                let (v, mut rest) = self.basis.as_mut().split_at_col_mut(first);
+                rest.rb_mut().subcols_mut(WIDTH, WIDTH).copy_from(x.as_ref());
+                let mut both = rest.rb_mut().subcols_mut(0, 2 * WIDTH);
+                let found = inner_products(pencil, v.rb(), weighted.as_ref(), par)?;
+                subtract_product(both.rb_mut(), v.rb(), found.as_ref(), par)?;
+                x.copy_from(both.rb().subcols(WIDTH, WIDTH));
+                overlap.as_mut().subrows_mut(0, first).copy_from(found.subcols(WIDTH, WIDTH));
+                weigh(weighted, x)?;
+            }
+        }
+        let basis = self.basis.as_ref().subcols(first, count - first);
+        let mx = weighted.as_ref().subcols(WIDTH, WIDTH);
+        let found = inner_products(pencil, basis, mx, par)?;
+        subtract_product(x.as_mut(), basis, found.as_ref(), par)?;
+        overlap.as_mut().subrows_mut(first, count - first).copy_from(&found);
+        Ok(overlap)
+    }
+
     /// Does the first two expansions of [`Krylov::converge`], which tell about how far the
     /// eigenvalues near sigma are from it and from the shift.
     pub fn probe(&mut self, factor: &dyn Inverse) -> Result<Nearby> {
         let first = self.len;
-        self.expand(factor)?;
-        self.expand(factor)?;
+        self.expand(factor, true)?;
+        self.expand(factor, false)?;
         self.probed = self.len - first;
         let values = self.ritz()?.values;
         let largest = values.iter().fold(0.0, |most: f64, theta| most.max(theta.abs()));
@@ -275,7 +343,9 @@ impl<'a> Krylov<'a> {
         let mut next = (k + k / 2 + 2 * WIDTH).max(first + 2 * WIDTH).min(size);
         loop {
             if !std::mem::take(&mut is_expanded) {
-                self.expand(factor)?;
+                // Whether the next round expands, too.
+                let after = self.len + WIDTH;
+                self.expand(factor, after < next && after + WIDTH <= size)?;
             }
             let full = self.len + WIDTH > size;
             if self.len < next && !full {
@@ -387,7 +457,7 @@ impl<'a> Krylov<'a> {
     /// vectors: `(W - lambda M) phi = -(W - sigma M) Q B s / theta`.
     fn estimates(&mut self, ritz: &SymmetricEigen, order: &[usize]) -> Result<Vec<f64>> {
         let par = self.options.par;
-        let [w, _] = &mut self.work;
+        let w = &mut self.work;
         let last = self.basis.as_ref().subcols(self.len, WIDTH);
         self.pencil.apply_stiffness(last, w.as_mut(), par)?;
         for j in 0..WIDTH {
@@ -435,7 +505,7 @@ impl<'a> Krylov<'a> {
         let par = self.options.par;
         for first in (0..self.found.len()).step_by(WIDTH) {
             let width = WIDTH.min(self.found.len() - first);
-            let mut x = self.work[0].as_mut().subcols_mut(0, width);
+            let mut x = self.work.as_mut().subcols_mut(0, width);
             let mut vectors = self.basis.as_mut().subcols_mut(first, width);
             self.pencil.inner().apply_mass(vectors.rb(), x.rb_mut(), par)?;
             factor.solve(x.rb_mut(), par)?;

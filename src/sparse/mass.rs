@@ -1,4 +1,5 @@
-use faer::{MatMut, MatRef};
+use faer::prelude::ReborrowMut;
+use faer::{ColRef, MatMut, MatRef, unzip, zip};
 use sprs::CsMat;
 
 use super::check::check_symmetric;
@@ -98,10 +99,10 @@ impl Mass {
         match self {
             Self::Full(matrix) => multiply_symmetric_or_rows(matrix.view(), x, y, par),
             Self::Lumped(diagonal) => for_row_blocks(y, ROW_BLOCK, par, |first, mut y| {
-                for j in 0..y.ncols() {
-                    for i in 0..y.nrows() {
-                        y[(i, j)] = diagonal[first + i] * x[(first + i, j)];
-                    }
+                let masses = ColRef::from_slice(&diagonal[first..first + y.nrows()]);
+                let x = x.subrows(first, y.nrows());
+                for (y, x) in y.rb_mut().col_iter_mut().zip(x.col_iter()) {
+                    zip!(y, x, masses).for_each(|unzip!(y, x, mass)| *y = mass * x);
                 }
             }),
         }

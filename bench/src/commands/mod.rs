@@ -8,6 +8,7 @@ pub mod functional_map;
 pub mod gram;
 pub mod grid;
 pub mod laplacian;
+pub mod once;
 pub mod ortho;
 pub mod race;
 pub mod reproduce;
@@ -53,6 +54,16 @@ pub struct Contest {
 pub enum Type {
     F64,
     F32,
+}
+
+impl Type {
+    /// Returns its name, as an argument and in records.
+    fn name(self) -> &'static str {
+        match self {
+            Self::F64 => "f64",
+            Self::F32 => "f32",
+        }
+    }
 }
 
 /// The common options of commands with contenders.

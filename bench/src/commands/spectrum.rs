@@ -1,12 +1,13 @@
-//! `spectrum`: eigenpairs of the Laplacian of meshes beside scipy's, each solution in a separate
-//! process.
+//! `spectrum`: eigenpairs of the Laplacian of meshes beside scipy's and PRIMME's, each solution in a
+//! separate process.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use catamaran::sparse::{CsMat, EigenOptions, Mass, eigs};
-use catamaran_bench::child::{self, Duel, Report};
+use catamaran_bench::child::{self, Report};
 use catamaran_bench::exchange::{get_vector, put_vector};
+use catamaran_bench::race::median;
 use catamaran_bench::{Result, host, record};
 use catamaran_geometry::mesh::{LaplacianOptions, families, laplacian};
 
@@ -20,6 +21,9 @@ pub struct Arguments {
     /// Eigenpairs.
     #[arg(short, default_value_t = 101)]
     k: usize,
+    /// The rivals: solvers of bench/rivals/eigsh.py.
+    #[arg(long, value_delimiter = ',', default_value = "cholmod,cholespy,primme")]
+    rivals: Vec<String>,
     #[command(flatten)]
     contest: Contest,
 }
@@ -33,17 +37,18 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let host = host::describe(&[]);
     println!("{host}\nk = {}\n", arguments.k);
     println!(
-        "{:<14} {:>9} {:>2} {:>9} {:>9} {:>6} {:>7} {:>7} {:>9} {:>9} {:>9}",
+        "{:<16} {:>8} {:>2} {:<9} {:>8} {:>8} {:>6} {:>7} {:>7} {:>9} {:>9} {:>10}",
         "mesh",
         "vertices",
         "th",
+        "rival",
         "ours s",
-        "scipy s",
+        "its s",
         "ratio",
         "ours MB",
-        "scipy",
+        "its MB",
         "residual",
-        "scipy",
+        "its",
         "difference"
     );
     let mut lines = Vec::new();
@@ -52,24 +57,25 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let n = mesh.vertices().len();
         prepare(folder.path(), &mesh)?;
         for &threads in &arguments.contest.threads {
-            let outcome = race(arguments, folder.path(), &python, threads)?;
-            let Outcome { ours, scipy, ratio, bytes, residuals, difference } = outcome;
-            let [mb, scipy_mb] = bytes.map(|bytes| bytes / 1e6);
-            let [residual, scipy_residual] = residuals;
-            println!(
-                "{name:<14} {n:>9} {threads:>2} {ours:>9.2} {scipy:>9.2} {ratio:>6.2} {mb:>7.0} {scipy_mb:>7.0} \
-                 {residual:>9.1e} {scipy_residual:>9.1e} {difference:>9.1e}"
-            );
-            lines.push(format!(
-                "{name},{n},{},{threads},{},{ours:.4},{scipy:.4},{ratio:.3},{mb:.0},{scipy_mb:.0},{residual:.2e},\
-                 {scipy_residual:.2e},{difference:.2e}",
-                arguments.k, arguments.contest.repeat
-            ));
+            for outcome in race(arguments, folder.path(), &python, threads)? {
+                let Outcome { rival, seconds, ratio, bytes, residuals, difference } = outcome;
+                let ([ours, its], [mb, its_mb]) = (seconds, bytes.map(|bytes| bytes / 1e6));
+                let [residual, its_residual] = residuals;
+                println!(
+                    "{name:<16} {n:>8} {threads:>2} {rival:<9} {ours:>8.2} {its:>8.2} {ratio:>6.2} {mb:>7.0} \
+                     {its_mb:>7.0} {residual:>9.1e} {its_residual:>9.1e} {difference:>10.1e}"
+                );
+                lines.push(format!(
+                    "{name},{n},{},{threads},{},{rival},{ours:.4},{its:.4},{ratio:.3},{mb:.0},{its_mb:.0},\
+                     {residual:.2e},{its_residual:.2e},{difference:.2e}",
+                    arguments.k, arguments.contest.repeat
+                ));
+            }
         }
     }
     if let Some(name) = &arguments.contest.record {
-        let header = "mesh,vertices,k,threads,repetitions,ours_s,scipy_s,ratio,ours_mb,scipy_mb,ours_residual,\
-                      scipy_residual,value_difference";
+        let header = "mesh,vertices,k,threads,repetitions,rival,ours_s,rival_s,ratio,ours_mb,rival_mb,\
+                      ours_residual,rival_residual,value_difference";
         let (name, csv) = (format!("{name}.csv"), record::csv(header, lines));
         println!("\nrecorded in {}", record::write(&[(&name, csv), ("host.txt", host)])?.display());
     }
@@ -127,10 +133,11 @@ fn solve(folder: &Path, k: usize, threads: usize) -> Result<()> {
     Ok(())
 }
 
+/// This library beside one rival: of each pair, ours comes first.
 struct Outcome {
-    ours: f64,
-    scipy: f64,
-    /// Ratio of scipy's seconds to ours: the median over the repetitions.
+    rival: String,
+    seconds: [f64; 2],
+    /// Ratio of the rival's seconds to ours: the median over the repetitions.
     ratio: f64,
     bytes: [f64; 2],
     residuals: [f64; 2],
@@ -138,29 +145,55 @@ struct Outcome {
     difference: f64,
 }
 
-fn race(arguments: &Arguments, folder: &Path, python: &Path, threads: usize) -> Result<Outcome> {
+/// Runs this library and all rivals in turns.
+fn race(
+    arguments: &Arguments,
+    folder: &Path,
+    python: &Path,
+    threads: usize,
+) -> Result<Vec<Outcome>> {
     let (k, t, place) =
         (arguments.k.to_string(), threads.to_string(), folder.display().to_string());
     let ours = ["spectrum", "--solve", &place, "-k", &k, "--threads", &t];
-    let duel =
-        Duel::new(&ours, python, ("eigsh.py", &[&place, &k]), threads, arguments.contest.repeat)?;
+    let this = std::env::current_exe()?;
+    let script = child::script("eigsh.py");
+    let mut reports = vec![Vec::new(); 1 + arguments.rivals.len()];
+    // Of each rival: its largest residual, and its difference from our values.
+    let mut accuracy = vec![[f64::NAN; 2]; arguments.rivals.len()];
+    for _ in 0..arguments.contest.repeat.max(1) {
+        reports[0].push(child::run(&this, &ours, threads)?);
+        for (i, rival) in arguments.rivals.iter().enumerate() {
+            reports[1 + i].push(child::run(python, &[&script, &place, &k, rival], threads)?);
+            accuracy[i] = compared(folder)?;
+        }
+    }
+    let of = |reports: &[Report], number: fn(&Report) -> f64| {
+        median(reports.iter().map(number).collect())
+    };
+    let (ours, rivals) = reports.split_first().ok_or("no contender")?;
+    let residual = ours[0].rest.first().copied().unwrap_or(f64::NAN);
+    let outcome = |((rival, theirs), accuracy): ((&String, &Vec<Report>), &[f64; 2])| Outcome {
+        rival: rival.clone(),
+        seconds: [ours, theirs].map(|reports| of(reports, |report| report.seconds)),
+        ratio: median(ours.iter().zip(theirs).map(|(a, b)| b.seconds / a.seconds).collect()),
+        bytes: [ours, theirs].map(|reports| of(reports, |report| report.bytes)),
+        residuals: [residual, accuracy[0]],
+        difference: accuracy[1],
+    };
+    Ok(arguments.rivals.iter().zip(rivals).zip(&accuracy).map(outcome).collect())
+}
+
+/// Returns the largest residual of the rival's pairs, and the largest difference of its eigenvalues
+/// from ours, relative to the largest one.
+fn compared(folder: &Path) -> Result<[f64; 2]> {
     let (values, theirs) = (get_vector(folder, "our-values")?, get_vector(folder, "values")?);
     let largest = theirs.last().copied().unwrap_or(1.0);
     let differences = values.iter().zip(&theirs).map(|(x, y)| (x - y).abs() / largest);
     // The first value of a connected mesh is zero, and can't be a divisor.
-    let scipy_residuals = get_vector(folder, "residuals")?;
-    let positive =
-        scipy_residuals.iter().zip(&theirs).filter(|(_, value)| **value > 1e-6 * largest);
-    let [ours, scipy] = duel.seconds();
-    Ok(Outcome {
-        ours,
-        scipy,
-        ratio: duel.ratio(),
-        bytes: duel.bytes(),
-        residuals: [
-            duel.rest()[0].first().copied().unwrap_or(f64::NAN),
-            positive.map(|(residual, _)| *residual).fold(0.0, f64::max),
-        ],
-        difference: differences.fold(0.0, f64::max),
-    })
+    let residuals = get_vector(folder, "residuals")?;
+    let positive = residuals.iter().zip(&theirs).filter(|(_, value)| **value > 1e-6 * largest);
+    Ok([
+        positive.map(|(residual, _)| *residual).fold(0.0, f64::max),
+        differences.fold(0.0, f64::max),
+    ])
 }

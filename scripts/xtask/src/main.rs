@@ -13,6 +13,7 @@ mod msrv;
 mod notice;
 mod options;
 mod packages;
+mod records;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -28,7 +29,8 @@ cargo xtask notice            write NOTICE from the packages in Cargo.lock
 cargo xtask notice --check    fail if NOTICE is not what would be written
 cargo xtask options           write docs/guide/options.md and docs/guide/mesh-files.md
 cargo xtask options --check   fail if they are not what would be written
-cargo xtask msrv              fail if a dependency needs a newer Rust than we promise";
+cargo xtask msrv              fail if a dependency needs a newer Rust than we promise
+cargo xtask records           list the records of bench/record that are older than their sources";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -46,6 +48,7 @@ fn main() -> ExitCode {
         ["options", "--check"] => {
             options::OPTIONS.check(&root()).and(formats::FORMATS.check(&root()))
         }
+        ["records"] => records::list(&root()),
         ["msrv"] => msrv::check(&root()),
         ["help" | "--help"] => {
             println!("{HELP}");

@@ -38,12 +38,16 @@ pub struct Arguments {
     #[arg(long, default_value_t = 5, value_name = "N")]
     repeat: usize,
     /// Only a part: of chapter 4 figures, leaves, water or rods; of chapters 3 and 7 figures,
-    /// tables, long or gpu.
+    /// tables, long or gpu; of chapter 8 figures, or squares or threads: figures 8.3 and 8.5 at the
+    /// thesis' sizes.
     #[arg(long, value_name = "PART")]
     only: Option<String>,
     /// Chapter 8: the largest side of a square matrix.
     #[arg(long, default_value_t = 7500, value_name = "N")]
     side: usize,
+    /// Chapter 8: the rivals, of those that scripts/rivals installed.
+    #[arg(long, value_delimiter = ',', default_value = "mkl,openblas")]
+    rivals: Vec<String>,
     /// Chapter 3: rounds of 16 frames that are timed.
     #[arg(long, default_value_t = 2, value_name = "N")]
     #[cfg_attr(not(feature = "opencl"), allow(dead_code))]
@@ -118,6 +122,7 @@ enum Share {
     Whole,
     Plant(plant::Share),
     Textures(textures::Share),
+    Ata(ata::Share),
 }
 
 impl Arguments {
@@ -128,13 +133,15 @@ impl Arguments {
             return Ok(match self.what {
                 What::Plant => plant::Share::ALL.map(Share::Plant).into(),
                 What::Textures => [Figures, Tables].map(Share::Textures).into(),
+                What::Ata => vec![Share::Ata(ata::Share::Figures)],
                 _ => vec![Share::Whole],
             });
         };
         let share = match self.what {
             What::Plant => Share::Plant(named(only)?),
             What::Textures => Share::Textures(named(only)?),
-            _ => return Err("--only: applies to plant and textures only".into()),
+            What::Ata => Share::Ata(named(only)?),
+            _ => return Err("--only: applies to plant, textures and ata only".into()),
         };
         Ok(vec![share])
     }
@@ -206,8 +213,12 @@ fn run_share(arguments: &Arguments, share: Share) -> Result<()> {
             (share.name(), textures::HEADER)
         }
         What::Ata => {
-            ata::run(&mut report, arguments)?;
-            ("chapter-8", ata::HEADER)
+            let share = match share {
+                Share::Ata(share) => share,
+                _ => ata::Share::Figures,
+            };
+            ata::run(&mut report, share, arguments)?;
+            (share.name(), ata::HEADER)
         }
     };
     println!("\n{:.0} s", start.elapsed().as_secs_f64());
