@@ -1048,9 +1048,9 @@ typedef struct cata_eigs_params {
     /** 1: counts the eigenvalues by one or two more factorizations, and continues until none is
      * missing. 0: does not. */
     int32_t verify_count;
-    int32_t laplacian; /**< Of meshes: CATA_LAPLACIAN_*. */
-    int32_t mass; /**< Of meshes: CATA_MASS_*. */
-    int32_t boundary; /**< Of meshes: CATA_BOUNDARY_*. */
+    int32_t laplacian; /**< For meshes: CATA_LAPLACIAN_*. */
+    int32_t mass; /**< For meshes: CATA_MASS_*. */
+    int32_t boundary; /**< For meshes: CATA_BOUNDARY_*. */
 } cata_eigs_params;
 
 /** Takes a slice of eigenpairs: `count` of them, as cata_eigs writes them, ascending within the
@@ -1205,11 +1205,11 @@ typedef struct cata_mesh_file_params {
     size_t threads; /**< Ignored. */
     cata_progress progress; /**< Progress callback; NULL: none. */
     void *progress_user; /**< Passed to `progress`. */
-    /** Of reading: bytes of memory that the file may take; 0: a hundred times its size, or 1 GiB
+    /** For reading: bytes of memory that the file may take; 0: a hundred times its size, or 1 GiB
      * if that is more. */
     uint64_t max_memory;
-    int32_t format; /**< Of writing: CATA_MESH_*. */
-    /** Of writing: 1: an existing file stays, and CATA_ERR_IO is returned. 0: it is replaced. */
+    int32_t format; /**< For writing: CATA_MESH_*. */
+    /** For writing: 1: an existing file stays, and CATA_ERR_IO is returned. 0: it is replaced. */
     int32_t keep;
 } cata_mesh_file_params;
 /** Fills a struct with the defaults. */
@@ -1380,7 +1380,7 @@ typedef struct cata_repair_params {
     size_t threads; /**< Ignored. */
     cata_progress progress; /**< Progress callback; NULL: none. */
     void *progress_user; /**< Passed to `progress`. */
-    double tolerance; /**< Of CATA_WELD_WITHIN: in the unit of the mesh. Otherwise ignored. */
+    double tolerance; /**< For CATA_WELD_WITHIN: in the unit of the mesh. Otherwise ignored. */
     size_t keep_largest; /**< Components to keep, those with the most faces; 0: all. */
     /** Components with less than this share of the area, from 0 to 1, are left out. */
     double drop_specks;
@@ -1759,12 +1759,12 @@ typedef struct cata_distance_params {
     size_t threads; /**< Threads of the heat method, at most; 0: all. */
     cata_progress progress; /**< Progress callback; NULL: none. */
     void *progress_user; /**< Passed to `progress`. */
-    /** Of the heat method: time of the flow, in units of the squared mean length of edges,
+    /** For the heat method: time of the flow, in units of the squared mean length of edges,
      * positive; 0: 1. Longer times make distances smoother. */
     double time;
     /** Along edges: vertices farther than this are not reached, positive; 0: all are. */
     double cutoff;
-    int32_t flow; /**< Of the heat method: CATA_FLOW_*. */
+    int32_t flow; /**< For the heat method: CATA_FLOW_*. */
 } cata_distance_params;
 /** Fills a struct with the defaults. */
 cata_status cata_distance_params_init(cata_distance_params *params, size_t struct_size);
@@ -2285,8 +2285,8 @@ typedef struct cata_basis_params {
     /** Progress callback; NULL: none. A basis does not keep it: its own calls are short. */
     cata_progress progress;
     void *progress_user; /**< Passed to `progress`. */
-    size_t order; /**< Of products: most factors, at most 255; 1: eigenfunctions alone; 0: 2. */
-    /** Of products: CATA_ORTHO_*; 0: CATA_ORTHO_SINGLE_PASS, which is stabler under transfer. */
+    size_t order; /**< For products: most factors, at most 255; 1: eigenfunctions alone; 0: 2. */
+    /** For products: CATA_ORTHO_*; 0: CATA_ORTHO_SINGLE_PASS, which is stabler under transfer. */
     int32_t method;
 } cata_basis_params;
 /** Fills a struct with the defaults. */
@@ -2827,7 +2827,7 @@ typedef struct cata_plant_rods_params {
     double gravity[3]; /**< In m / s^2; all 0: 0, 0, -9.81. */
     double poisson; /**< Poisson's ratio, above -1 and at most 0.5; 0: 0.3. */
     double dry_density; /**< Mass of a cubic metre of tissue without its water, in kg; 0: 100. */
-    /** Of cata_plant_rods_relax: torque out of balance / the largest of a weight; 0: 1e-8. */
+    /** For cata_plant_rods_relax: torque out of balance / the largest of a weight; 0: 1e-8. */
     double tolerance;
     size_t iterations; /**< Most iterations of cata_plant_rods_relax; 0: 200. */
     double step; /**< Seconds of a step of cata_plant_rods_step; 0: 1 / 60. */

@@ -101,9 +101,9 @@ pub struct cata_basis_params {
     pub progress: cata_progress,
     /// Passed to `progress`.
     pub progress_user: *mut c_void,
-    /// Of products: most factors, at most 255; 1: eigenfunctions alone; 0: 2.
+    /// For products: most factors, at most 255; 1: eigenfunctions alone; 0: 2.
     pub order: usize,
-    /// Of products: CATA_ORTHO_*; 0: CATA_ORTHO_SINGLE_PASS, which is stabler under transfer.
+    /// For products: CATA_ORTHO_*; 0: CATA_ORTHO_SINGLE_PASS, which is stabler under transfer.
     pub method: i32,
 }
 

@@ -66,12 +66,12 @@ pub struct cata_distance_params {
     pub progress: cata_progress,
     /// Passed to `progress`.
     pub progress_user: *mut c_void,
-    /// Of the heat method: time of the flow, in units of the squared mean length of edges,
+    /// For the heat method: time of the flow, in units of the squared mean length of edges,
     /// positive; 0: 1. Longer times make distances smoother.
     pub time: f64,
     /// Along edges: vertices farther than this are not reached, positive; 0: all are.
     pub cutoff: f64,
-    /// Of the heat method: CATA_FLOW_*.
+    /// For the heat method: CATA_FLOW_*.
     pub flow: i32,
 }
 

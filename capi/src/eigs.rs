@@ -73,11 +73,11 @@ pub struct cata_eigs_params {
     /// 1: counts the eigenvalues by one or two more factorizations, and continues until none is
     /// missing. 0: does not.
     pub verify_count: i32,
-    /// Of meshes: CATA_LAPLACIAN_*.
+    /// For meshes: CATA_LAPLACIAN_*.
     pub laplacian: i32,
-    /// Of meshes: CATA_MASS_*.
+    /// For meshes: CATA_MASS_*.
     pub mass: i32,
-    /// Of meshes: CATA_BOUNDARY_*.
+    /// For meshes: CATA_BOUNDARY_*.
     pub boundary: i32,
 }
 

@@ -73,12 +73,12 @@ pub struct cata_mesh_file_params {
     pub progress: cata_progress,
     /// Passed to `progress`.
     pub progress_user: *mut c_void,
-    /// Of reading: bytes of memory that the file may take; 0: a hundred times its size, or 1 GiB
+    /// For reading: bytes of memory that the file may take; 0: a hundred times its size, or 1 GiB
     /// if that is more.
     pub max_memory: u64,
-    /// Of writing: CATA_MESH_*.
+    /// For writing: CATA_MESH_*.
     pub format: i32,
-    /// Of writing: 1: an existing file stays, and CATA_ERR_IO is returned. 0: it is replaced.
+    /// For writing: 1: an existing file stays, and CATA_ERR_IO is returned. 0: it is replaced.
     pub keep: i32,
 }
 

@@ -73,7 +73,7 @@ pub struct cata_repair_params {
     pub progress: cata_progress,
     /// Passed to `progress`.
     pub progress_user: *mut c_void,
-    /// Of CATA_WELD_WITHIN: in the unit of the mesh. Otherwise ignored.
+    /// For CATA_WELD_WITHIN: in the unit of the mesh. Otherwise ignored.
     pub tolerance: f64,
     /// Components to keep, those with the most faces; 0: all.
     pub keep_largest: usize,

@@ -35,7 +35,7 @@ pub struct cata_plant_rods_params {
     pub poisson: f64,
     /// Mass of a cubic metre of tissue without its water, in kg; 0: 100.
     pub dry_density: f64,
-    /// Of cata_plant_rods_relax: torque out of balance / the largest of a weight; 0: 1e-8.
+    /// For cata_plant_rods_relax: torque out of balance / the largest of a weight; 0: 1e-8.
     pub tolerance: f64,
     /// Most iterations of cata_plant_rods_relax; 0: 200.
     pub iterations: usize,

@@ -21,7 +21,7 @@ enum class heat_flow : std::int32_t {
 struct distance_options {
     /// Of the heat method; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;
-    /// Of the heat method: time of the flow, in units of the squared mean length of edges; 0: 1.
+    /// For the heat method: time of the flow, in units of the squared mean length of edges; 0: 1.
     double time = 0.0;
     /// Along edges: vertices farther than this are not reached; 0: all are.
     double cutoff = 0.0;

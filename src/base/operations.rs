@@ -72,7 +72,7 @@ pub fn apart<R: Send + 'static>(
         // Threads inherit the environment of the thread that makes them.
         let _nearest = FloatEnv::nearest();
         if let Some(work) = take(&theirs) {
-            // Nobody waits any more after a request to stop.
+            // After a request to stop, the receiver is gone.
             let _ = done.send(work());
         }
     });

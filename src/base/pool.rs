@@ -340,8 +340,8 @@ impl Kept {
 
 /// Returns a pool that helps a caller to have `wanted` (>= 2) threads, its own included.
 ///
-/// All calls that want at most the default number of threads use the same pool. With the caller,
-/// larger pools are as wide as a multiple of the cores, so that there are few of them.
+/// All calls that want at most the default number of threads use the same pool. Larger pools have,
+/// with the caller, a multiple of the cores as their width, so that few pools exist.
 pub(super) fn shared(wanted: usize) -> Result<Arc<ThreadPool>> {
     let width = match allowed_threads() {
         allowed if wanted <= allowed => allowed,

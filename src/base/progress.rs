@@ -187,7 +187,7 @@ impl<'a> Tracker<'a> {
         }
     }
 
-    /// Creates a tracker that asks nobody, for work that must be completed once it has begun.
+    /// Creates a tracker without a callback, for work that must be completed once it has begun.
     pub fn unwatched() -> Self {
         Self::of(Progress::none(), 0.0)
     }

@@ -51,8 +51,8 @@ pub(super) fn watched<R>(callback: Callback<'_>, fraction: f64, work: impl FnOnc
     work()
 }
 
-/// Calls `work`, during which the calling thread asks nobody: a callback may call this library, and
-/// must not be called where other threads wait for this one.
+/// Calls `work`, during which the calling thread asks no callback: a callback may call this
+/// library, and must not be called where other threads wait for this one.
 pub(super) fn unwatched<R>(work: impl FnOnce() -> R) -> R {
     let _restored = Restored(WATCHER.take());
     work()

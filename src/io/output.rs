@@ -122,7 +122,7 @@ impl Temporary {
         Err(io::Error::other("no name is free for a temporary file"))
     }
 
-    /// Renames the file to `target`, also where there is one.
+    /// Renames the file to `target`, and replaces a file of that name.
     fn replace(mut self, target: &Path) -> io::Result<()> {
         std::fs::rename(&self.path, target)?;
         self.is_renamed = true;

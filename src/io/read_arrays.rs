@@ -80,7 +80,7 @@ pub fn read_arrays_with(path: &Path, options: &SourceOptions<'_>) -> Result<Arra
     for (name, Stored { shape, .. }) in &arrays {
         let bytes = padded_bytes(shape, size_of::<f64>())
             .map_err(|what| error(path, None, format!("`{name}`: {what}")))?;
-        // Of an array without entries, too: its rows or columns are created one by one.
+        // An array without entries is checked too: its rows or columns are created one by one.
         let shape = tuple(shape);
         let what = format_args!("`{name}` of shape {shape}, where 0 counts as 1,");
         options.check_memory(path, what, bytes as u64)?;

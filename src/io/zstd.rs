@@ -16,7 +16,7 @@ use crate::base::byte_size;
 pub(super) struct Unpacker<R> {
     packed: Packed<R>,
     decoder: FrameDecoder,
-    /// Of what the frame has unpacked to.
+    /// Checksum of what the frame has unpacked to.
     check: XxHash64,
     /// Bytes that the frame has unpacked to.
     found: u64,

@@ -12,10 +12,11 @@ use super::{Product, ata_into, execute_direct};
 use crate::base::{Error, Par, Progress, Result, Tracker};
 use crate::blas::BlasReal;
 
-/// Multiplications that take as long as what a product takes beside its own.
+/// Fixed cost of a product, in multiplications that take as long.
 const CALL: f64 = 1e3;
 
-/// Multiplications between two requests to go on; a thread that starts for fewer gains nothing.
+/// Multiplications between two checks for a request to stop; for fewer, starting a thread gains
+/// nothing.
 const BLOCK: f64 = 1e6;
 
 /// Most multiplications of a product that one thread computes, whatever the batch: about 0.1 ms.
@@ -92,7 +93,7 @@ pub fn ata_batched_into<T: BlasReal>(
     options.on_cores(|| {
         par.for_each(a.chunks(size).zip(c.chunks_mut(size)), |_, (a, c)| {
             let mut spent = 0.0;
-            // Products of one shape ask once for what computes them.
+            // The kernels are looked up once for products of one shape.
             let (mut shape, mut kernels) = ((0, 0), None);
             for (&a, c) in a.iter().zip(c).filter(|&(&a, _)| !together(a)) {
                 if tracker.state().is_break() || failed.get().is_some() {
@@ -135,7 +136,7 @@ pub fn ata_batched_into<T: BlasReal>(
     Ok(())
 }
 
-/// Returns the multiplications of a product, and what its call takes in such.
+/// Returns the cost of a product in multiplications, its fixed cost included.
 fn work<T>(a: MatRef<'_, T>) -> f64 {
     let (m, n) = (a.nrows() as f64, a.ncols() as f64);
     0.5 * (m + 1.0) * n * n + CALL

@@ -110,7 +110,7 @@ fn row<T>(view: MatRef<'_, T>, i: usize) -> &[T] {
     unsafe { std::slice::from_raw_parts(view.ptr_at(i, 0), view.ncols()) }
 }
 
-/// Returns what [`row`] returns, mutable.
+/// Returns the mutable form of [`row`].
 #[inline(always)]
 fn row_mut<T>(view: MatMut<'_, T>, i: usize) -> &mut [T] {
     if i >= view.nrows() || view.ncols() == 0 {

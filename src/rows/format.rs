@@ -46,7 +46,7 @@ const VERSION: u32 = 2;
 /// A longer head is not one of this format.
 const LONGEST_HEAD: u32 = 1 << 20;
 
-/// Of more rows no sum is made: sums of such numbers of rows do not overflow.
+/// Most rows of a sum: the numbers of rows of two sums can be added without overflow.
 const MOST_ROWS: u64 = 1 << 62;
 
 /// Values converted at a time.

@@ -156,6 +156,7 @@ fn commands_print_what_the_guide_shows() {
         let page = fs::read_to_string(&path).unwrap();
         let folder = Folder::new();
         folder.write("ata.csv", include_str!("../../../docs/guide/ata.csv"));
+        folder.write("people.csv", include_str!("../../../docs/guide/people.csv"));
         for (call, shown) in shown(&page) {
             let (text, is_success) = printed(&folder, call);
             let lines: Vec<&str> = text.lines().collect();

@@ -99,7 +99,7 @@ mod tests {
             crossings += usize::from(place.weights.iter().all(|&w| w < 1.0));
         }
         assert!(crossings > 10, "{crossings}");
-        // Of another mesh.
+        // Another mesh has other vertices and edges.
         let other = families::grid(2, 2).unwrap();
         assert!(places(curves, &refined, &other).is_err());
     }

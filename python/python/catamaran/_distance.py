@@ -51,10 +51,10 @@ def distances(
         Over the surface by the heat method, which is not exact, or exactly up to rounding; or
         along edges.
     time : float
-        Of the heat method: time of the flow in units of the squared mean length of edges. A longer
+        For the heat method: time of the flow in units of the squared mean length of edges. A longer
         time gives smoother distances.
     kind : {"tufted", "intrinsic", "cotangent"}
-        Of the heat method: the triangles that heat flows on, as in `laplacian`.
+        For the heat method: the triangles that heat flows on, as in `laplacian`.
     threads, progress
         As in `ata`.
 

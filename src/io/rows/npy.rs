@@ -36,7 +36,7 @@ impl NpyRows {
     pub(super) fn open(path: &Path) -> Result<Self> {
         // The open of a pipe would wait.
         seekable(path)?;
-        // Rows are read from the file as it is, so that it is none that is packed.
+        // Blocks are read at their offsets in the file, which a packed file does not have.
         let options = SourceOptions::new();
         let layout = Layout::read(&mut Source::open_packed(path, |_| Packing::None, &options)?)?;
         let opened = File::open(path).and_then(|file| file.metadata().map(|about| (file, about)));

@@ -93,8 +93,8 @@ impl<R: Read> Text<R> {
         self.lines += lines;
     }
 
-    /// Returns an error when a record is longer than the file may have, of which so many bytes are
-    /// held without its end.
+    /// Returns an error when a record, of which `held` bytes were read without its end, is longer
+    /// than records may be.
     pub fn check_length(&self, held: usize) -> Result<()> {
         match held >= self.longest {
             true => Err(self

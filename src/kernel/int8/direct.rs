@@ -32,14 +32,14 @@ pub trait Direct: Real {
     /// Reads adjacent numbers, as [`Lanes::read_f64`] does.
     ///
     /// # Safety
-    /// As there.
+    /// As for [`Lanes::read_f64`].
     #[allow(private_interfaces, private_bounds)]
     unsafe fn read<L: Lanes>(lanes: L, from: *const Self, range: Range<usize>) -> L::Floats;
 
     /// Writes adjacent numbers, as [`Lanes::write_f64`] does.
     ///
     /// # Safety
-    /// As there.
+    /// As for [`Lanes::write_f64`].
     #[allow(private_interfaces, private_bounds)]
     unsafe fn write<L: Lanes>(lanes: L, x: L::Floats, to: *mut Self, range: Range<usize>);
 }

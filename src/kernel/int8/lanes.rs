@@ -21,12 +21,12 @@ pub(crate) trait Lanes: Copy {
     /// Reads `range.len()` adjacent numbers into these lanes; the others are zero.
     ///
     /// # Safety
-    /// `from` points to so many numbers.
+    /// `from` points to `range.len()` numbers.
     unsafe fn read_f64(self, from: *const f64, range: Range<usize>) -> Self::Floats;
     /// Reads like [`Lanes::read_f64`].
     ///
     /// # Safety
-    /// As there.
+    /// As for [`Lanes::read_f64`].
     unsafe fn read_f32(self, from: *const f32, range: Range<usize>) -> Self::Floats;
     /// Writes these lanes to adjacent numbers.
     ///
@@ -36,7 +36,7 @@ pub(crate) trait Lanes: Copy {
     /// Writes like [`Lanes::write_f64`], rounded.
     ///
     /// # Safety
-    /// As there.
+    /// As for [`Lanes::write_f64`].
     unsafe fn write_f32(self, x: Self::Floats, to: *mut f32, range: Range<usize>);
     /// Returns the j-th numbers of all vectors as the j-th vector.
     fn transpose(self, rows: [Self::Floats; LANES]) -> [Self::Floats; LANES];

@@ -145,10 +145,10 @@ unsafe fn splat_each_f64<const ROWS: usize>(from: *const f64) -> [float64x2_t; R
     }
 }
 
-/// As [`splat_each_f64`].
+/// Does the same as [`splat_each_f64`], for f32.
 ///
 /// # Safety
-/// As there.
+/// As for [`splat_each_f64`].
 #[inline(always)]
 unsafe fn splat_each_f32<const ROWS: usize>(from: *const f32) -> [float32x4_t; ROWS] {
     // SAFETY: `add_products` passes ROWS scalars (1, 2, 4 or 8); each arm loads ROWS of them in

@@ -285,7 +285,7 @@ impl<T: FloatOperand> Case<T> {
         let tracker = &Tracker::new(progress, WORK);
         let job = Job { kernel, products: &products, budget: self.budget, progress: tracker };
         let par = if threads == 1 { Par::Seq } else { Par::Threads(threads) };
-        // SAFETY: `c` is ours.
+        // SAFETY: this function owns `c`, and nothing else uses it meanwhile.
         unsafe { run(&job, par, own) };
         let guards = scratch[..GUARD].iter().chain(&scratch[GUARD + len..]);
         assert!(guards.copied().all(|x| x == T::from_f64(POISON)), "scratch overrun");
@@ -525,7 +525,7 @@ fn check_unwanted<T: FloatOperand>(rng: &mut Rng) {
     let mut scratch = vec![T::from_f64(f64::NAN); len];
     let progress = &Tracker::new(Progress::none(), WORK);
     let job = Job { kernel, products: &[product], budget: 1, progress };
-    // SAFETY: `c` is ours.
+    // SAFETY: this function owns `c`, and nothing else uses it meanwhile.
     unsafe { run(&job, Par::Seq, &mut scratch) };
     assert!(scratch.iter().all(|x| x.to_f64().is_nan()));
     assert_eq!(c.memory_bits(), before);
@@ -865,7 +865,7 @@ fn check_small_case<T: FloatOperand>(case: &Case<T>) {
         let destination = Destination::new(c.view_mut(), *part);
         let KernelProduct { left, right, mut targets, .. } = specs[0].product(&destination);
         let right = if shape.same { left[0] } else { right[0] };
-        // SAFETY: `c` is ours.
+        // SAFETY: this function owns `c`, and nothing else uses it meanwhile.
         unsafe { run_small(T::kernel(isa), left[0], right, &mut targets[0], shape) };
         assert!(c.bits() == expected, "{} {}: {shape:?}", isa.name(), T::NAME);
     }
@@ -970,7 +970,7 @@ fn check_scales<T: FloatOperand>(rng: &mut Rng) {
                     let len = scratch_len::<T>(kernel.geometry(), shapes, PLENTY, 1);
                     let progress = &Tracker::new(Progress::none(), WORK);
                     let job = Job { kernel, products: &products, budget: PLENTY, progress };
-                    // SAFETY: `c` is ours.
+                    // SAFETY: this function owns `c`, and nothing else uses it meanwhile.
                     unsafe { run(&job, Par::Seq, &mut vec![T::from_f64(f64::NAN); len]) };
                     assert!(
                         c.bits() == expected.bits(),

@@ -81,7 +81,7 @@ impl Flags {
     /// A NaN among the terms, or infinities of both signs: the same for any order of the terms.
     const NAN: u8 = 3;
 
-    /// All flags that there are.
+    /// Every flag.
     pub const MOST: u8 = Self::NAN;
 
     /// Returns the sum of the terms; `None` when there are none.

@@ -25,9 +25,9 @@ pub(crate) fn seconds<T: IntegerOperand>(
     moduli: usize,
     symmetric: bool,
 ) -> Option<f64> {
-    /// Products of parts that take as long as an entry becomes an integer.
+    /// Cost of the conversion of an entry to an integer, in products of parts.
     const ENTRY: f64 = 8.0;
-    /// Products of parts that take as long as an entry of C is rounded.
+    /// Cost of rounding an entry of C, in products of parts.
     const RESULT: f64 = 20.0;
     /// Seconds of a product by residues that do not grow with the sides.
     const START: f64 = 1e-5;
@@ -300,8 +300,8 @@ impl Bounds {
         Self { squares: [square - bits(excess + ROUNDING), square + bits(ROUNDING)] }
     }
 
-    /// Returns the exponents of the columns of a strip, of which so many are present; `None` if
-    /// some are not certain, or entries have extreme sizes.
+    /// Returns the exponents of the columns of a strip; lanes beyond its columns are ignored.
+    /// `None` if some exponents are not certain, or entries have extreme sizes.
     #[inline(always)]
     fn exponents<L: Lanes, T: IntegerOperand>(
         &self,

@@ -70,7 +70,7 @@ impl<T: Real> Engine<'_, T> {
         self.compute(node, Some(work), Arena::new(scratch), self.recursion.fast_levels)
     }
 
-    /// Computes a node as a part of a larger one; without `work`, it asks nobody.
+    /// Computes a node as a part of a larger one; without `work`, it does not ask the callback.
     fn compute(
         &self,
         mut node: Node<'_, T>,

@@ -89,7 +89,7 @@ struct Node {
 
 /// What a node is divided into.
 enum Divided {
-    /// Nothing of it is wanted.
+    /// None of its entries is wanted.
     Nothing,
     SchemeProduct(FusedProduct),
     Nodes(Vec<Node>),

@@ -7,7 +7,7 @@ use crate::base::{Result, Rng, push, repeated, reserved};
 #[derive(Debug)]
 pub(super) struct Weighted {
     pub graph: Graph,
-    /// Of each neighbour; all are 1 if there are none.
+    /// The weight of the edge to each neighbour; empty if all are 1.
     edges: Vec<u32>,
     pub vertices: Vec<u32>,
 }

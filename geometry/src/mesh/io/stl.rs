@@ -113,7 +113,7 @@ fn facet(bytes: &[u8; FACET], soup: &mut Soup, what: impl Fn() -> String) -> Che
     soup.push(corners, &what).map_err(|fault| fault.of(what))
 }
 
-/// What of a text file was read so far.
+/// The part of a text file that was read so far.
 #[derive(Default)]
 struct Text {
     /// Whether a solid has begun and not yet ended, and the same of a facet.

@@ -29,7 +29,7 @@ pub struct Values {
 pub enum Numbers {
     None,
     Of(Arc<Words>),
-    /// Of the words of a dictionary, which may have missing ones.
+    /// The numbers of words of a dictionary, some of which may be missing.
     Coded(Arc<[Option<i32>]>),
 }
 

@@ -80,7 +80,7 @@ enum On {
 struct Ray {
     slot: u32,
     at: [f64; 2],
-    /// Of length 1.
+    /// The direction, of length 1.
     toward: [f64; 2],
     on: On,
 }

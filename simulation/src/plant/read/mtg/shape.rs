@@ -55,7 +55,7 @@ pub(super) fn plant(graph: &Graph, chosen: Range<usize>, lines: &Lines<'_>) -> R
     let (mut segments, mut parents): (Vec<Segment>, Vec<Option<u32>>) = (vec![], vec![]);
     let (mut radii, mut frames) = (Vec::new(), Vec::<Frame>::new());
     let (mut total, mut guessed) = (0.0, 0);
-    // Of each component: the last segment up to it, and the turns since.
+    // For each component: the last segment up to it, and the turns since.
     let mut nodes: Vec<Option<u32>> = Vec::with_capacity(parts.len());
     let mut turns: Vec<Turn> = Vec::with_capacity(parts.len());
     for (v, part) in parts.iter().enumerate() {
