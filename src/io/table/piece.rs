@@ -63,6 +63,7 @@ pub(super) struct Piece {
 }
 
 /// Integers that were rounded.
+#[derive(Debug)]
 pub struct Rounded {
     pub count: u64,
     /// The line of the first one in the piece, from 0.
