@@ -13,7 +13,7 @@ use catamaran_geometry::mesh::io::{
     Attribute, GltfEncoding, Labels, MeshFile, MeshFormat, PlyEncoding, StlEncoding, read,
     read_bytes, read_with, write, write_as,
 };
-use catamaran_geometry::mesh::{RepairOptions, TriMesh, families, repair};
+use catamaran_geometry::mesh::{Problem, RepairOptions, TriMesh, families, repair};
 use tempfile::TempDir;
 
 const PLY: [MeshFormat; 3] = [
@@ -145,6 +145,16 @@ fn facets_that_collapse_are_counted() {
     let file = read_bytes(text, STL_TEXT).unwrap();
     assert_eq!((file.collapsed_faces, file.mesh.faces()), (1, &[[0, 1, 2]][..]));
     assert_eq!(file.mesh.vertices().len(), 3);
+    let collapsed = Problem::CollapsedFaces { count: 1, first: "line 8".into() };
+    let problems = file.validate().problems;
+    assert_eq!(problems, [collapsed], "{problems:?}");
+    assert!(file.mesh.validate().problems.is_empty());
+    // Counted without a list of all.
+    let vertices = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let faces = vec![[0, 1, 2], [2, 1, 1], [0, 0, 0]];
+    let report = MeshFile::from_arrays(vertices, faces).unwrap().validate().to_string();
+    let line = "faces that have a vertex twice: 2 (left out, the first at face 1)";
+    assert!(report.ends_with(line), "{report}");
 }
 
 /// A square with everything a file can hold, by vertex.
