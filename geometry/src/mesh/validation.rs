@@ -17,8 +17,8 @@ pub enum Problem {
         /// The number of vertices.
         vertices: usize,
     },
-    /// Faces that have a vertex twice, of a file or of arrays. They are left out of the mesh, so that
-    /// the numbers of other problems do not count them.
+    /// Faces of a file or of arrays that have a vertex twice. They are left out of the mesh, so
+    /// that the numbers of other problems do not count them.
     CollapsedFaces {
         /// Their number.
         count: usize,

@@ -185,8 +185,8 @@ impl RowFile {
         }
     }
 
-    /// Returns a note if an integer beyond 2^53 was rounded when rows were read, by these rows or by
-    /// their clones, with the place of the first.
+    /// Returns a note with the place of the first integer beyond 2^53 that was rounded when rows
+    /// were read, from these or from their clones; `None` if there is none.
     ///
     /// ```
     /// use catamaran::faer::{Mat, mat};
