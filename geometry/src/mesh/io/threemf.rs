@@ -28,7 +28,7 @@ const MODEL: &str = "/3dmodel";
 const PLACE: usize = 1 << 10;
 
 /// Parts of the names of extensions that change no triangles, or that the reader applies. Slices
-/// are those of the triangles, unless an object says that its mesh is coarse.
+/// are those of the triangles, unless an object says that its mesh is coarse, which is noted.
 const EXTENSIONS: [&str; 4] = ["/production/", "/material/", "/trianglesets/", "/slice/"];
 
 /// Part of the name of the extension whose beams are refused where a model requires them and has
@@ -55,6 +55,8 @@ fn mesh(bytes: &[u8], budget: &mut Budget<'_, '_>) -> Checked<MeshFile> {
 struct Object {
     /// Whether it only holds others up while they are printed.
     is_support: bool,
+    /// Whether its mesh is coarse, and what is printed are its slices.
+    is_coarse: bool,
     vertices: Vec<[f64; 3]>,
     faces: Vec<[u32; 3]>,
     components: Vec<Item>,
@@ -212,13 +214,9 @@ impl<'p, 's, 'a> Package<'p, 's, 'a> {
                 }
                 b"object" => {
                     let kind = tag.get("type");
-                    if tag.get("meshresolution").as_deref() == Some("lowres") {
-                        let id = tag.need("id")?;
-                        let what = "has a coarse mesh beside its slices, which are not read";
-                        return Err(format!("object {id} {what}").into());
-                    }
                     let is_support = matches!(kind.as_deref(), Some("support" | "solidsupport"));
-                    let object = Object { is_support, ..Object::default() };
+                    let is_coarse = tag.get("meshresolution").as_deref() == Some("lowres");
+                    let object = Object { is_support, is_coarse, ..Object::default() };
                     open = Some((count(tag.bytes("id")?)?, object));
                 }
                 b"item" if is_root => {
@@ -299,6 +297,10 @@ impl<'p, 's, 'a> Package<'p, 's, 'a> {
             let (count, first) = self.supports;
             self.supports = (count + 1, if count == 0 { *id } else { first });
             return Ok(());
+        }
+        if object.is_coarse {
+            let what = "read the coarse meshes of objects, not their slices";
+            draft.notes.add(what, || format!("object {id}"));
         }
         // Few objects can be many in their places, also when they are empty.
         let (vertices, faces) = (object.vertices.len(), object.faces.len());
