@@ -523,7 +523,7 @@ fn faces_that_have_a_vertex_twice_are_a_problem_of_the_report() {
     let line = "problem     faces that have a vertex twice: 2 (left out, the first at line 5)\n";
     assert!(said.contains(line), "{said}");
     let records = folder.succeed("mesh twice.obj --json");
-    let problem = "{\"kind\":\"collapsed_faces\",\"faces\":2,\"first\":\"line 5\"}";
+    let problem = "{\"faces\":2,\"first\":\"line 5\",\"kind\":\"collapsed_faces\"}";
     assert!(records.contains(problem), "{records}");
     assert!(folder.fail("mesh twice.obj --check").contains("problems found: 1"));
     // What is written has none.
