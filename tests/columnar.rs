@@ -144,6 +144,30 @@ fn numbers_of_every_kind_are_read_and_what_is_left_out_is_said() {
 }
 
 #[test]
+fn integers_that_are_rounded_are_counted_and_durations_are_left_out() {
+    for name in ["large.parquet", "large.arrow"] {
+        let some = |list: &str, missing: Missing| {
+            let found = options(TableOptions::new().missing(missing));
+            content(&file(name), &found.columns(Columns::parse(list))).reading.unwrap()
+        };
+        let whole = options(TableOptions::new().missing(Missing::Nan));
+        let all = content(&file(name), &whole).reading.unwrap();
+        assert_eq!(all.left_out, ["took"], "{name}");
+        let said = "1 other column left out (took), 4 integers beyond 2^53 rounded, the first in \
+                    row 0 (counted from 0), column u64";
+        assert_eq!(all.to_string(), said, "{name}");
+        let id = some("id,x", Missing::Nan).rounded.unwrap();
+        assert_eq!((id.count, &id.place[..]), (2, "row 2 (counted from 0), column id"), "{name}");
+        // Only cells that are used count.
+        assert_eq!(some("id,x", Missing::Drop).rounded.unwrap().count, 1, "{name}");
+        let exact = some("small,x", Missing::Nan);
+        assert!(exact.rounded.is_none() && exact.is_plain(), "{name}");
+        let refused = refusal(&file(name), &whole.columns(Columns::parse("took")));
+        assert!(refused.contains("column took has durations, not numbers"), "{name}: {refused}");
+    }
+}
+
+#[test]
 fn columns_are_chosen_by_name_and_what_has_no_numbers_is_refused_by_name() {
     for name in ["kinds.parquet", "kinds.arrow"] {
         let some = |list: &str| options(TableOptions::new()).columns(Columns::parse(list));

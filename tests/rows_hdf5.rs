@@ -445,6 +445,29 @@ fn numbers_of_any_kind_are_read() {
 }
 
 #[test]
+fn the_first_integer_that_is_rounded_is_known_once_it_is_read() {
+    let folder = folder();
+    let path = folder.path().join("a.h5");
+    let file = File::create(&path).unwrap();
+    let mut signed = [0_i64; 6];
+    (signed[2], signed[5]) = ((1 << 53) + 1, -(1 << 53) - 3);
+    store(&file, "signed", (3, 2), &signed);
+    store(&file, "unsigned", (3, 2), &signed.map(i64::cast_unsigned));
+    store(&file, "exact", (3, 2), &[1_i64 << 53; 6]);
+    drop(file);
+    let note = "integers beyond 2^53 rounded, the first in row 1, column 0 (counted from 0)";
+    for name in ["signed", "unsigned", "exact"] {
+        let mut rows = RowFile::open(named(&path, name)).unwrap();
+        block::<f64>(&mut rows, 0, 1);
+        assert_eq!(rows.rounded_integers(), None, "{name}");
+        let found = block::<f64>(&mut rows, 0, 3);
+        let expected = (name != "exact").then_some(note);
+        assert_eq!(rows.rounded_integers().as_deref(), expected, "{name}");
+        assert_eq!(found[(1, 0)], 9007199254740992.0, "{name}");
+    }
+}
+
+#[test]
 fn matrices_of_matlab_have_the_shape_that_matlab_shows() {
     let folder = folder();
     let path = folder.path().join("a.mat");

@@ -238,9 +238,9 @@ pub unsafe extern "C" fn cata_table_level(
     level.map_or(c"".as_ptr(), |level| level.as_ptr())
 }
 
-/// Returns what was decided about a text table, such as "separator ;, decimal comma, header", in
-/// UTF-8; valid until cata_table_free. Empty for NULL and for other formats. Never NULL; do not
-/// free it.
+/// Returns what was decided about a text table, such as "separator ;, decimal comma, header", and
+/// which integers of any format were rounded, in UTF-8; valid until cata_table_free. Empty for NULL
+/// and where there is nothing to say. Never NULL; do not free it.
 ///
 /// # Safety
 /// The pointer is as described.
@@ -317,7 +317,7 @@ impl cata_table_params {
 
 impl cata_table {
     fn of(content: FileContent) -> Result<Self, Failure> {
-        let FileContent { matrix, names, reading, .. } = content;
+        let FileContent { matrix, names, reading, rounded, .. } = content;
         let entries = match matrix {
             Matrix::F64(entries) => entries.as_ref().to_owned(),
             Matrix::F32(entries) => {
@@ -343,7 +343,11 @@ impl cata_table {
             columns: (0..entries.ncols()).map(column).collect(),
             entries,
             dropped_rows: reading.as_ref().map_or(0, |reading| reading.dropped_rows),
-            reading: c_text(&reading.as_ref().map_or(String::new(), ToString::to_string)),
+            reading: c_text(&match (&reading, &rounded) {
+                (Some(reading), _) => reading.to_string(),
+                (None, Some(rounded)) => rounded.to_string(),
+                (None, None) => String::new(),
+            }),
         })
     }
 }

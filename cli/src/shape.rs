@@ -20,7 +20,7 @@ use crate::defaults::variant;
 use crate::input::{self, MeshArgs};
 use crate::pieces::{COMPACT, Need, Pieces};
 use crate::progress::Bar;
-use crate::report::status;
+use crate::report::{note, status};
 use crate::tables::{self, TableArgs};
 
 /// The options of the Laplacian.
@@ -260,6 +260,9 @@ pub fn dense(path: &Path, table: &TableArgs) -> Result<Mat<f64>> {
     let content = files::read_file(path, &table.read())?;
     if let Some(reading) = &content.reading {
         tables::say(path, reading)?;
+    }
+    if let Some(rounded) = &content.rounded {
+        note(format_args!("{}: {rounded}", path.display()));
     }
     match content.matrix {
         Matrix::F64(dense) => Ok(dense.as_ref().to_owned()),

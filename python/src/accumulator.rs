@@ -286,9 +286,10 @@ impl Accumulator {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Vec<String>> {
         let file = RowFile::open(path).map_err(exception)?;
-        let notes = file.notes().to_vec();
+        let (mut notes, watched) = (file.notes().to_vec(), file.try_clone().map_err(exception)?);
         let change = Change { weights, remove: false, products, progress };
         self.valid(py)?.add_file(py, file, change)?;
+        notes.extend(watched.rounded_integers());
         Ok(notes)
     }
 

@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyFloat, PyList};
 
 use crate::array::{from_rows, from_vec};
-use crate::mesh::{Mesh, PartArrays, mesh, numbers, part};
+use crate::mesh::{Mesh, PartArrays, mesh, mesh_file, numbers, part};
 use crate::options::{Threads, faces, par};
 use crate::task::{Length, run};
 
@@ -86,9 +86,14 @@ pub fn validate<'py>(
     v: &Bound<'py, PyAny>,
     f: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let mesh = mesh(v, f)?;
+    let file = mesh_file(v, f)?;
     let (report, repair) =
-        run(py, Length::Long, None, move |_| Ok((mesh.validate(), needs_repair(&mesh))))?;
+        run(py, Length::Long, None, move |_| Ok((file.validate(), needs_repair(&file.mesh))))?;
+    let collapsed = report.problems.first().filter(|p| matches!(p, Problem::CollapsedFaces { .. }));
+    let repair = match collapsed {
+        Some(problem) => Some(format!("{}: {problem}", problem.kind())),
+        None => repair,
+    };
     let genus = report.genus.map(|(Genus::Orientable(n) | Genus::NonOrientable(n))| n);
     let is_twisted = |problem: &Problem| matches!(problem, Problem::NotOrientable { .. });
     let problems = report.problems.iter().map(|problem| (problem.kind(), problem.to_string()));

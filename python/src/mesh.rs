@@ -1,5 +1,6 @@
 //! Meshes as arrays of vertices and faces, generated ones, and their Laplacians.
 
+use catamaran_geometry::mesh::io::MeshFile;
 use catamaran_geometry::mesh::{Part, Refined, TriMesh, families, laplacian as assemble};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -16,9 +17,14 @@ pub type Mesh<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>);
 
 /// The mesh of two arrays, which are copied.
 pub fn mesh(vertices: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>) -> PyResult<TriMesh> {
-    let positions = positions("v", vertices)?;
-    let faces = triangles("f", faces)?;
+    let (positions, faces) = (positions("v", vertices)?, triangles("f", faces)?);
     TriMesh::new(positions, faces).map_err(exception)
+}
+
+/// The mesh of two arrays without the faces that have a vertex twice, which it counts.
+pub fn mesh_file(vertices: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>) -> PyResult<MeshFile> {
+    let (positions, faces) = (positions("v", vertices)?, triangles("f", faces)?);
+    MeshFile::from_arrays(positions, faces).map_err(exception)
 }
 
 /// Rows of three coordinates.

@@ -115,6 +115,10 @@ pub fn read<'py>(
         found.set_item("reading", reading.to_string())?;
         found.set_item("is_plain", reading.is_plain())?;
     }
+    if let Some(rounded) = &content.rounded {
+        found.set_item("reading", rounded.to_string())?;
+        found.set_item("is_plain", false)?;
+    }
     found.set_item("levels", levels)?;
     match content.matrix {
         Matrix::F64(dense) => found.set_item("values", from_matrix(py, dense.as_ref())?)?,

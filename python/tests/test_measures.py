@@ -75,6 +75,11 @@ def test_problems_are_named():
     assert found["edges with more than two faces"] == "edge 0-2 of 3 faces (0, 1, 2)"
     twice = Mesh(SQUARE, np.array([[0, 1, 2], [1, 2, 0]])).validate().needs_repair
     assert twice == "1 repeated faces: face 1 has the vertices of face 0"
+    collapsed = Mesh(SQUARE, np.array([[0, 1, 2], [0, 2, 3], [1, 1, 3], [2, 2, 2]])).validate()
+    assert collapsed.faces == 2
+    place = "left out, the first at face 2"
+    assert collapsed.problems == [("faces that have a vertex twice", place)]
+    assert collapsed.needs_repair == f"faces that have a vertex twice: {place}"
     flat = Mesh(SQUARE * [1, 0, 0], np.array([[0, 1, 2], [0, 2, 3]])).validate()
     assert ("faces without area", "face 0") in flat.problems
     # A strip with a half turn.

@@ -48,7 +48,7 @@ def same(path, v, f, scalars=None, digits=0.0):
         ("a.msh", np.float64, {"file_format": "gmsh", "binary": False}),
     ],
 )
-def test_what_meshio_writes_is_read(tmp_path, name, precision, options):
+def test_what_meshio_writes_is_read_and_ours_by_meshio(tmp_path, name, precision, options):
     meshio = pytest.importorskip("meshio")
     v, f = surface(precision)
     is_gmsh = name == "a.msh"
@@ -62,6 +62,12 @@ def test_what_meshio_writes_is_read(tmp_path, name, precision, options):
     mesh.write(tmp_path / name, **options)
     # Text has 12 digits.
     same(tmp_path / name, v, f, values, 1e-10)
+    # meshio reads no PolyData of VTK.
+    again, faces = catamaran.read_mesh(tmp_path / name)
+    catamaran.write_mesh(tmp_path / "b.ply", again, faces)
+    theirs = meshio.read(tmp_path / "b.ply")
+    assert np.array_equal(theirs.points, again)
+    assert np.array_equal(theirs.get_cells_type("triangle"), f)
 
 
 def test_lines_are_left_out_with_a_warning(tmp_path):
@@ -90,7 +96,7 @@ def test_lines_are_left_out_with_a_warning(tmp_path):
     ],
 )
 @pytest.mark.parametrize("ending", ["vtp", "vtu"])
-def test_what_vtk_writes_is_read(tmp_path, ending, mode, packing, word, is_big):
+def test_what_vtk_writes_is_read_and_ours_by_vtk(tmp_path, ending, mode, packing, word, is_big):
     vtk = pytest.importorskip("vtk")
     support = pytest.importorskip("vtk.util.numpy_support")
     v, f = surface()
@@ -118,6 +124,9 @@ def test_what_vtk_writes_is_read(tmp_path, ending, mode, packing, word, is_big):
     (writer.SetByteOrderToBigEndian if is_big else writer.SetByteOrderToLittleEndian)()
     assert writer.Write() == 1
     same(tmp_path / f"a.{ending}", v, f, {"heat": heat}, 1e-10 if mode == "Ascii" else 0.0)
+    again, faces = catamaran.read_mesh(tmp_path / f"a.{ending}")
+    catamaran.write_mesh(tmp_path / "b.vtk", again, faces)
+    read_by_vtk(tmp_path / "b.vtk", again, f)
 
 
 @pytest.mark.parametrize("text", [False, True])
@@ -158,13 +167,20 @@ def test_legacy_files_of_vtk_are_read_and_ours_by_vtk(tmp_path, version, binary,
     # Strips have the triangles in their own order.
     assert np.allclose(corners(again, rolled(faces)), corners(v, rolled(f)), atol=2 * digits)
     catamaran.write_mesh(tmp_path / "b.vtk", again, faces, text=text)
+    read_by_vtk(tmp_path / "b.vtk", again, faces)
+
+
+def read_by_vtk(path, v, f):
+    """VTK reads this mesh."""
+    vtk = pytest.importorskip("vtk")
+    support = pytest.importorskip("vtk.util.numpy_support")
     reader = vtk.vtkPolyDataReader()
-    reader.SetFileName(str(tmp_path / "b.vtk"))
+    reader.SetFileName(str(path))
     reader.Update()
     theirs = reader.GetOutput()
-    assert np.array_equal(support.vtk_to_numpy(theirs.GetPoints().GetData()), again)
+    assert np.array_equal(support.vtk_to_numpy(theirs.GetPoints().GetData()), v)
     connected = support.vtk_to_numpy(theirs.GetPolys().GetConnectivityArray())
-    assert np.array_equal(connected.reshape(-1, 3), faces)
+    assert np.array_equal(connected.reshape(-1, 3), f)
 
 
 def rolled(f):
@@ -232,7 +248,7 @@ def test_what_nibabel_writes_in_gifti_is_read_and_ours_by_nibabel(
     ],
 )
 @pytest.mark.filterwarnings("ignore:.*read as FreeSurfer:UserWarning")
-def test_surfaces_of_freesurfer_are_read(tmp_path, name, options):
+def test_surfaces_of_freesurfer_are_read_and_ours_by_nibabel(tmp_path, name, options):
     nibabel = pytest.importorskip("nibabel")
     v, f = surface(np.float32)
     if "volume_info" in options:
@@ -243,6 +259,11 @@ def test_surfaces_of_freesurfer_are_read(tmp_path, name, options):
     nibabel.freesurfer.write_geometry(tmp_path / name, v, f, **options)
     again, faces = catamaran.read_mesh(tmp_path / name)
     assert np.array_equal(again, v) and np.array_equal(faces, f)
+    # FreeSurfer's own format is not written; its tools read GIFTI.
+    catamaran.write_mesh(tmp_path / "b.gii", again.astype(np.float32), faces)
+    theirs = nibabel.load(tmp_path / "b.gii")
+    assert np.array_equal(theirs.agg_data("pointset"), v)
+    assert np.array_equal(theirs.agg_data("triangle"), f)
     with pytest.raises(OSError, match="values of"):
         catamaran.read_scalars(tmp_path / name)
 

@@ -12,22 +12,25 @@ use zip::ZipArchive;
 use super::columns::{Columns, listed};
 use super::limits::{SourceOptions, check_memory, memory_limit};
 use super::matrix::Matrix;
+use super::rounding::RoundedIntegers;
 use super::source::{Source, error, error_at};
 use super::{npy, npy_header};
 use crate::base::{Error, Result};
 
-/// Reads the array of this name; without one, the only array, or the sparse matrix.
+/// Reads the array of this name; without one, the only array, or the sparse matrix. Returns all of
+/// its columns, and which integers in those that are kept were rounded; of a sparse matrix, in any.
 pub(super) fn read(
     path: &Path,
     array: Option<&str>,
     options: &SourceOptions<'_>,
-) -> Result<Matrix> {
+    columns: &Columns,
+) -> Result<(Matrix, Option<RoundedIntegers>)> {
     let mut archive = Archive::open(path, options)?;
     let names = archive.names()?;
     let has = |name: &&str| names.iter().any(|other| other == name);
     match (array, &names[..]) {
-        (Some(name), _) => archive.matrix(name),
-        (None, [name]) => archive.matrix(name),
+        (Some(name), _) => archive.matrix(name, columns),
+        (None, [name]) => archive.matrix(name, columns),
         (None, _) if ["format", "shape", "data"].iter().all(has) => archive.sparse(),
         (None, names) => {
             let names = listed(names);
@@ -85,36 +88,41 @@ impl Archive {
         Ok(bytes)
     }
 
-    fn matrix(&mut self, name: &str) -> Result<Matrix> {
+    fn matrix(
+        &mut self,
+        name: &str,
+        columns: &Columns,
+    ) -> Result<(Matrix, Option<RoundedIntegers>)> {
         let bytes = self.bytes(name)?;
-        npy::read(&mut Source::of_bytes(&self.path, &bytes), &Columns::ALL)
+        npy::read_counting(&mut Source::of_bytes(&self.path, &bytes), &Columns::ALL, columns)
     }
 
-    /// Returns the entries of a vector.
-    fn vector(&mut self, name: &str) -> Result<Vec<f64>> {
-        let matrix = self.matrix(name)?;
+    /// Returns the entries of a vector, and which integers were rounded.
+    fn vector(&mut self, name: &str) -> Result<(Vec<f64>, Option<RoundedIntegers>)> {
+        let (matrix, rounded) = self.matrix(name, &Columns::ALL)?;
         if matrix.ncols() != 1 {
             return Err(self.fail(format!("`{name}` is not a vector")));
         }
         let rows = 0..matrix.nrows();
-        Ok(match &matrix {
+        let values = match &matrix {
             Matrix::F32(dense) => rows.map(|i| f64::from(dense.as_ref()[(i, 0)])).collect(),
             Matrix::F64(dense) => rows.map(|i| dense.as_ref()[(i, 0)]).collect(),
             Matrix::Complex(_) => return Err(self.fail(format!("`{name}` is complex"))),
             Matrix::Sparse(_) => Vec::new(),
-        })
+        };
+        Ok((values, rounded))
     }
 
     /// Returns a vector of whole numbers of at least 0.
     fn numbers(&mut self, name: &str) -> Result<Vec<usize>> {
-        let values = self.vector(name)?;
+        let (values, _) = self.vector(name)?;
         let whole = |&value: &f64| (value >= 0.0 && value.fract() == 0.0).then_some(value as usize);
         let found: Option<Vec<usize>> = values.iter().map(whole).collect();
         found.ok_or_else(|| self.fail(format!("`{name}` has an entry that is no index")))
     }
 
     /// Returns the sparse matrix of the arrays `format`, `shape`, `data` and the indices.
-    fn sparse(&mut self) -> Result<Matrix> {
+    fn sparse(&mut self) -> Result<(Matrix, Option<RoundedIntegers>)> {
         let bytes = self.bytes("format")?;
         let header = npy_header::read(&mut &bytes[..]).map_err(|e| self.fail(e))?;
         // One byte or four a character, of which the others are zeros.
@@ -127,7 +135,10 @@ impl Archive {
         let &[nrows, ncols] = &self.numbers("shape")?[..] else {
             return Err(self.fail("`shape` has not two entries"));
         };
-        let data = self.vector("data")?;
+        let (data, mut rounded) = self.vector("data")?;
+        if let Some(rounded) = &mut rounded {
+            rounded.place = format!("`data`, {}", rounded.place);
+        }
         let (rows, columns) = match format.as_str() {
             "coo" => (self.numbers("row")?, self.numbers("col")?),
             _ => {
@@ -152,7 +163,7 @@ impl Archive {
         check_memory(self.memory, format_args!("a sparse matrix of {nrows} rows"), bytes)
             .map_err(|what| self.fail(what))?;
         let entries = TriMat::from_triplets((nrows, ncols), rows, columns, data);
-        Ok(Matrix::Sparse(entries.to_csr()))
+        Ok((Matrix::Sparse(entries.to_csr()), rounded))
     }
 }
 

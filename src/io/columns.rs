@@ -90,6 +90,14 @@ impl Columns {
         self.as_range().map_or(0, |range| range.start)
     }
 
+    /// Returns a test of whether a column, of `ncols`, is kept.
+    pub(super) fn kept(&self, ncols: usize) -> Result<impl Fn(usize) -> bool + use<>> {
+        let mut list = if self.is_list() { self.of(&[], ncols)? } else { Vec::new() };
+        list.sort_unstable();
+        let range = if self.is_list() { 0..0 } else { self.range(ncols)? };
+        Ok(move |column| range.contains(&column) || list.binary_search(&column).is_ok())
+    }
+
     fn as_range(&self) -> Option<Range<usize>> {
         match &self.0 {
             Kept::All | Kept::List(_) => None,

@@ -29,6 +29,7 @@ mod output;
 mod packing;
 mod read_arrays;
 mod read_options;
+mod rounding;
 mod rows;
 mod source;
 mod stored;
@@ -58,13 +59,12 @@ pub use npz::{Array, NpzWriter, write_npz};
 pub use output::{Output, Overwrite, discard_unfinished, try_discard_unfinished};
 pub use read_arrays::{Arrays, read_arrays, read_arrays_with};
 pub use read_options::ReadOptions;
+pub use rounding::RoundedIntegers;
 pub use rows::RowFile;
 /// The sparse matrix of [`Matrix::Sparse`], from crate sprs.
 pub use sprs::CsMat;
 pub use strips::StripOutput;
-pub use table::{
-    ColumnKind, Missing, RoundedIntegers, Separator, TableColumn, TableOptions, TableReading, Words,
-};
+pub use table::{ColumnKind, Missing, Separator, TableColumn, TableOptions, TableReading, Words};
 pub use table_file::TableFile;
 
 // For the other crates of this workspace: no part of the interface.
@@ -94,6 +94,9 @@ pub struct FileContent {
     pub names: Vec<String>,
     /// How the text table or columnar file was read; `None` for other formats.
     pub reading: Option<TableReading>,
+    /// The integers of an array or of MatrixMarket that were rounded; `None` where there are none,
+    /// and for tables, whose `reading` has them.
+    pub rounded: Option<RoundedIntegers>,
     numbers: ColumnNumbers,
 }
 
@@ -179,17 +182,18 @@ pub fn read_file(path: &Path, options: &ReadOptions<'_>) -> Result<FileContent> 
     let columns = &options.columns;
     if let Some((file, name)) = names::npz_array(path).filter(|_| options.format.is_none()) {
         options.check_array(path)?;
-        let (matrix, numbers) = archive::read(&file, name, &source_options)?.choose(columns)?;
-        return Ok(FileContent { matrix, names: Vec::new(), numbers, reading: None });
+        let (matrix, rounded) = archive::read(&file, name, &source_options, columns)?;
+        let (matrix, numbers) = matrix.choose(columns)?;
+        return Ok(FileContent { matrix, names: Vec::new(), numbers, reading: None, rounded });
     }
     let (mut source, format) = FileFormat::open(path, options.format, &source_options)?;
     let content = |(dense, reading): (Dense<f64>, TableReading)| {
         let numbers = reading.columns.iter().map(|column| column.number).collect();
         let numbers = ColumnNumbers::List(numbers);
         let (matrix, names) = (Matrix::F64(dense), reading.names());
-        Ok(FileContent { matrix, names, numbers, reading: Some(reading) })
+        Ok(FileContent { matrix, names, numbers, reading: Some(reading), rounded: None })
     };
-    let matrix = match format {
+    let (matrix, rounded) = match format {
         FileFormat::Npy | FileFormat::Mtx => {
             options.check_array(path)?;
             match format {
@@ -207,7 +211,7 @@ pub fn read_file(path: &Path, options: &ReadOptions<'_>) -> Result<FileContent> 
         }
     };
     let (matrix, numbers) = matrix.select(columns)?;
-    Ok(FileContent { matrix, names: Vec::new(), numbers, reading: None })
+    Ok(FileContent { matrix, names: Vec::new(), numbers, reading: None, rounded })
 }
 
 /// Writes `matrix` (any shape and strides) into `output`, in the format of its name, and lets it

@@ -11,7 +11,9 @@ use sprs::TriMat;
 use super::columns::Columns;
 use super::extents::padded_bytes;
 use super::matrix::{Dense, Matrix};
+use super::rounding::RoundedIntegers;
 use super::source::Source;
+use super::table::rounded_words;
 use crate::base::{Result, push, reserved};
 
 #[derive(Clone, Copy, PartialEq)]
@@ -99,28 +101,46 @@ impl Entry for c64 {
     }
 }
 
-pub(super) fn read(source: &mut Source<'_>, columns: &Columns) -> Result<Matrix> {
+/// Reads a matrix, and returns which integers in these columns were rounded.
+pub(super) fn read(
+    source: &mut Source<'_>,
+    columns: &Columns,
+) -> Result<(Matrix, Option<RoundedIntegers>)> {
     let header = header(source)?;
     let sizes = numbers(source, if header.coordinate { 3 } else { 2 })?;
     let (nrows, ncols) = (sizes[0], sizes[1]);
     if header.symmetry != Symmetry::General && nrows != ncols {
         return Err(source.fail(format!("a symmetric matrix must be square: {nrows} x {ncols}")));
     }
-    let columns = columns.range(ncols)?;
-    let shape = (nrows, ncols);
-    match (header.coordinate, header.field) {
-        (true, Field::Complex) => complex_coordinate(source, &header, shape, sizes[2], columns),
-        (true, _) => coordinate(source, &header, shape, sizes[2], &columns),
+    let mirrors = header.symmetry != Symmetry::General;
+    let (is_kept, columns) = (columns.kept(ncols)?, columns.range(ncols)?);
+    let (shape, mut found) = ((nrows, ncols), None);
+    // A line has an entry and its mirror image.
+    let rounded = &mut |line: usize, i: usize, j: usize, count: usize| {
+        if count > 0 && (is_kept(j) || mirrors && is_kept(i)) {
+            RoundedIntegers::add(&mut found, count as u64, || format!("line {line}"));
+        }
+    };
+    let matrix = match (header.coordinate, header.field) {
+        (true, Field::Complex) => {
+            complex_coordinate(source, &header, shape, sizes[2], columns, rounded)?
+        }
+        (true, _) => coordinate(source, &header, shape, sizes[2], &columns, rounded)?,
         (false, Field::Complex) => {
-            let values = array::<c64>(source, &header, shape)?;
-            Ok(Matrix::Complex(Dense::new(values, shape, false, columns)))
+            let values = array::<c64>(source, &header, shape, rounded)?;
+            Matrix::Complex(Dense::new(values, shape, false, columns))
         }
         (false, _) => {
-            let values = array::<f64>(source, &header, shape)?;
-            Ok(Matrix::F64(Dense::new(values, shape, false, columns)))
+            let values = array::<f64>(source, &header, shape, rounded)?;
+            Matrix::F64(Dense::new(values, shape, false, columns))
         }
-    }
+    };
+    Ok((matrix, found))
 }
+
+/// Takes the line, the row and the column of an entry, and the number of its integers that were
+/// rounded.
+type Rounded<'a> = &'a mut dyn FnMut(usize, usize, usize, usize);
 
 fn header(source: &mut Source<'_>) -> Result<Header> {
     let line = source.next_line()?.unwrap_or_default().to_ascii_lowercase();
@@ -191,6 +211,7 @@ fn coordinate(
     (nrows, ncols): (usize, usize),
     count: usize,
     columns: &Range<usize>,
+    rounded: Rounded<'_>,
 ) -> Result<Matrix> {
     for extent in [nrows, ncols] {
         padded_bytes(&[extent], size_of::<f64>()).map_err(|what| source.fail(what))?;
@@ -201,7 +222,7 @@ fn coordinate(
     let what = format_args!("a sparse matrix of {nrows} rows and {count} entries");
     source.check_memory::<usize>(what, words)?;
     let (mut rows, mut cols, mut values) = (Vec::new(), Vec::new(), Vec::new());
-    entries(source, header, (nrows, ncols), count, |i, j, value: f64| {
+    entries(source, header, (nrows, ncols), count, rounded, |i, j, value: f64| {
         if columns.contains(&j) {
             push(&mut rows, i)?;
             push(&mut cols, j - columns.start)?;
@@ -222,11 +243,12 @@ fn complex_coordinate(
     shape: (usize, usize),
     count: usize,
     columns: Range<usize>,
+    rounded: Rounded<'_>,
 ) -> Result<Matrix> {
     let len = entries_of::<c64>(source, shape)?;
     let mut values: Vec<c64> = reserved(len)?;
     values.resize(len, c64::ZERO);
-    entries(source, header, shape, count, |i, j, value: c64| {
+    entries(source, header, shape, count, rounded, |i, j, value: c64| {
         values[i * shape.1 + j] += value;
         Ok(())
     })?;
@@ -247,6 +269,7 @@ fn entries<E: Entry>(
     header: &Header,
     (nrows, ncols): (usize, usize),
     count: usize,
+    rounded: Rounded<'_>,
     mut add: impl FnMut(usize, usize, E) -> Result<()>,
 ) -> Result<()> {
     let Header { symmetry, field, .. } = *header;
@@ -260,6 +283,7 @@ fn entries<E: Entry>(
             Field::Pattern => pattern(line).map(|(i, j)| (i, j, None)),
             Field::Real | Field::Complex => entry(line).map(|(i, j, value)| (i, j, Some(value))),
         };
+        let integers = if field == Field::Pattern { 0 } else { rounded_words(line, 2) };
         let (i, j, value) = match found {
             Ok(entry) => entry,
             Err(what) => return Err(source.fail(what)),
@@ -270,6 +294,7 @@ fn entries<E: Entry>(
             );
         }
         let (i, j, value) = (i - 1, j - 1, value.unwrap_or(E::ONE));
+        rounded(source.line(), i, j, integers);
         if symmetry == Symmetry::General {
             add(i, j, value)?;
             continue;
@@ -333,6 +358,7 @@ fn array<E: Entry>(
     source: &mut Source<'_>,
     header: &Header,
     (nrows, ncols): (usize, usize),
+    rounded: Rounded<'_>,
 ) -> Result<Vec<E>> {
     let symmetry = header.symmetry;
     let len = entries_of::<E>(source, (nrows, ncols))?;
@@ -358,10 +384,12 @@ fn array<E: Entry>(
                 let (i, j) = (i + 1, j + 1);
                 return Err(source.fail(format!("truncated: no entry for row {i}, column {j}")));
             };
+            let integers = rounded_words(line, 0);
             let value: E = match one(line) {
                 Ok(value) => value,
                 Err(what) => return Err(source.fail(what)),
             };
+            rounded(source.line(), i, j, integers);
             if i == j {
                 check_diagonal(source, symmetry, value)?;
             }

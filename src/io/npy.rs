@@ -9,6 +9,7 @@ use faer::{MatRef, c64};
 use super::columns::Columns;
 use super::matrix::{Dense, Matrix};
 use super::npy_header::{self, Header};
+use super::rounding::{RoundedIntegers, is_rounded, place};
 use super::source::Source;
 use crate::base::{Real, Result, reserved};
 
@@ -68,8 +69,37 @@ macro_rules! entries {
                     }))),*
                 }
             }
+
+            /// Calls `found` with the position of each entry in `bytes` that is an integer and no
+            /// f64.
+            pub(super) fn each_rounded(self, big: bool, bytes: &[u8], found: impl FnMut(usize)) {
+                match self {
+                    Self::I8 => each_rounded(bytes, found, |entry| {
+                        let value =
+                            if big { i64::from_be_bytes(entry) } else { i64::from_le_bytes(entry) };
+                        value.unsigned_abs()
+                    }),
+                    Self::U8 => each_rounded(bytes, found, |entry| {
+                        if big { u64::from_be_bytes(entry) } else { u64::from_le_bytes(entry) }
+                    }),
+                    _ => {}
+                }
+            }
         }
     };
+}
+
+/// Calls `found` with the position of each entry whose magnitude is no f64.
+fn each_rounded(
+    bytes: &[u8],
+    mut found: impl FnMut(usize),
+    magnitude: impl Fn([u8; size_of::<u64>()]) -> u64,
+) {
+    for (i, &entry) in bytes.as_chunks().0.iter().enumerate() {
+        if is_rounded(magnitude(entry).into()) {
+            found(i);
+        }
+    }
 }
 
 /// A type of entries of N bytes.
@@ -194,6 +224,15 @@ impl Layout {
         Ok(Self { shape, row_major: !by_columns, entry, big, offset })
     }
 
+    /// Returns the row and the column of an entry, given by its number in the file.
+    pub(super) fn place(&self, entry: usize) -> (usize, usize) {
+        let (nrows, ncols) = self.shape;
+        match self.row_major {
+            true => (entry / ncols, entry % ncols),
+            false => (entry % nrows, entry / nrows),
+        }
+    }
+
     /// Returns the number of entries.
     pub(super) fn len(&self) -> usize {
         self.shape.0 * self.shape.1
@@ -215,7 +254,20 @@ pub(super) fn trailing(len: usize) -> String {
     format!("data after the {len} entries its header announces")
 }
 
-pub(super) fn read(source: &mut Source<'_>, columns: &Columns) -> Result<Matrix> {
+/// Reads an array, and returns which integers in these columns were rounded.
+pub(super) fn read(
+    source: &mut Source<'_>,
+    columns: &Columns,
+) -> Result<(Matrix, Option<RoundedIntegers>)> {
+    read_counting(source, columns, columns)
+}
+
+/// Reads an array, and returns which integers in the columns that are used were rounded.
+pub(super) fn read_counting(
+    source: &mut Source<'_>,
+    columns: &Columns,
+    used: &Columns,
+) -> Result<(Matrix, Option<RoundedIntegers>)> {
     let mut header = npy_header::read(source).map_err(|e| source.io_error(e))?;
     let parts = parts(&header.descr);
     let is_complex = parts.is_some();
@@ -223,18 +275,27 @@ pub(super) fn read(source: &mut Source<'_>, columns: &Columns) -> Result<Matrix>
         header.descr = parts;
     }
     let layout = Layout::of(source, header)?;
-    let columns = columns.range(layout.shape.1)?;
+    let (is_used, columns) = (used.kept(layout.shape.1)?, columns.range(layout.shape.1)?);
     if is_complex {
         let values = complex_values(source, &layout)?;
-        return Ok(Matrix::Complex(Dense::new(values, layout.shape, layout.row_major, columns)));
+        let dense = Dense::new(values, layout.shape, layout.row_major, columns);
+        return Ok((Matrix::Complex(dense), None));
     }
-    Ok(if layout.is_single() {
-        let values = values(source, &layout)?;
+    let (len, mut rounded) = (layout.len(), None);
+    let count = |entry: usize| {
+        let (row, column) = layout.place(entry);
+        if is_used(column) {
+            RoundedIntegers::add(&mut rounded, 1, || place(row, column));
+        }
+    };
+    let matrix = if layout.is_single() {
+        let values = values(source, &layout, len, count)?;
         Matrix::F32(Dense::new(values, layout.shape, layout.row_major, columns))
     } else {
-        let values = values(source, &layout)?;
+        let values = values(source, &layout, len, count)?;
         Matrix::F64(Dense::new(values, layout.shape, layout.row_major, columns))
-    })
+    };
+    Ok((matrix, rounded))
 }
 
 /// Returns the type of the real and imaginary parts of complex entries.
@@ -258,19 +319,20 @@ pub(super) fn is_complex(path: &Path) -> bool {
 fn complex_values(source: &mut Source<'_>, layout: &Layout) -> Result<Vec<c64>> {
     let what = format_args!("a matrix of the {} entries announced", layout.len());
     source.check_memory::<c64>(what, layout.len())?;
-    let parts: Vec<f64> = values_of(source, layout, 2 * layout.len())?;
+    let parts: Vec<f64> = values(source, layout, 2 * layout.len(), |_| {})?;
     let mut values = reserved(layout.len())?;
     values.extend(parts.as_chunks::<2>().0.iter().map(|&[re, im]| c64 { re, im }));
     Ok(values)
 }
 
-/// Reads all entries, and checks that nothing follows them.
-fn values<T: Real>(source: &mut Source<'_>, layout: &Layout) -> Result<Vec<T>> {
-    values_of(source, layout, layout.len())
-}
-
-/// Reads `len` numbers, and checks that nothing follows them.
-fn values_of<T: Real>(source: &mut Source<'_>, layout: &Layout, len: usize) -> Result<Vec<T>> {
+/// Reads `len` numbers, calls `rounded` with the number of each integer that is no f64, and checks
+/// that nothing follows them.
+fn values<T: Real>(
+    source: &mut Source<'_>,
+    layout: &Layout,
+    len: usize,
+    mut rounded: impl FnMut(usize),
+) -> Result<Vec<T>> {
     let announced = layout.len();
     let what = format_args!("a matrix of the {announced} entries announced");
     source.check_memory::<T>(what, len)?;
@@ -285,6 +347,8 @@ fn values_of<T: Real>(source: &mut Source<'_>, layout: &Layout, len: usize) -> R
             io::ErrorKind::UnexpectedEof => source.fail(truncated(announced)),
             _ => source.io_error(e),
         })?;
+        let first = values.len();
+        layout.entry.each_rounded(layout.big, chunk, |i| rounded(first + i));
         layout.entry.decode(layout.big, chunk, &mut values);
     }
     match source.read(&mut chunk[..1]) {

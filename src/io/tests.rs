@@ -364,6 +364,50 @@ fn broken_matrix_market_is_refused_with_its_line() {
 }
 
 #[test]
+fn integers_of_arrays_and_matrix_market_that_are_rounded_are_counted() {
+    let folder = Folder::new();
+    let rounded = |path: &Path, columns: &str| {
+        let all = if columns.is_empty() { Columns::ALL } else { Columns::parse(columns) };
+        let content = read_file(path, &ReadOptions::new().columns(all)).unwrap();
+        content.rounded.map(|rounded| (rounded.count, rounded.place))
+    };
+    let found = |count: u64, place: &str| Some((count, place.to_owned()));
+    let large = 1_i64 << 53;
+    // By rows: 1, 2^53; 2^53 + 1, -2^53 - 3; 0, -1.
+    let values = [1, large, large + 1, -large - 3, 0, -1];
+    let little: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+    let big: Vec<u8> = values.iter().flat_map(|value| value.to_be_bytes()).collect();
+    for (descr, bytes) in [("<i8", &little), (">i8", &big)] {
+        let path = folder.file("a.npy", npy(descr, "False", "(3, 2)", bytes));
+        assert_eq!(rounded(&path, ""), found(2, "row 1, column 0 (counted from 0)"));
+        assert_eq!(rounded(&path, "1..2"), found(1, "row 1, column 1 (counted from 0)"));
+        assert_eq!(rounded(&path, "1"), found(1, "row 1, column 1 (counted from 0)"));
+        let path = folder.file("a.npy", npy(descr, "True", "(3, 2)", bytes));
+        assert_eq!(rounded(&path, ""), found(2, "row 2, column 0 (counted from 0)"));
+        // -1 without a sign is 2^64 - 1.
+        let unsigned = descr.replace('i', "u");
+        let path = folder.file("a.npy", npy(&unsigned, "False", "(3, 2)", bytes));
+        assert_eq!(rounded(&path, "1").unwrap().0, 2);
+    }
+    let exact = folder.file("e.npy", npy("<i8", "False", "(2,)", &little[..16]));
+    assert_eq!(rounded(&exact, ""), None);
+    let head = "%%MatrixMarket matrix coordinate integer";
+    let entries = "1 1 9007199254740993\n3 1 9007199254740992\n3 2 -9007199254740995\n";
+    let path = folder.file("a.mtx", format!("{head} general\n3 3 3\n{entries}"));
+    assert_eq!(rounded(&path, ""), found(2, "line 3"));
+    assert_eq!(rounded(&path, "1..3"), found(1, "line 5"));
+    assert_eq!(rounded(&path, "2"), None);
+    // Column 2 has the mirror image of the third entry.
+    let path = folder.file("s.mtx", format!("{head} symmetric\n3 3 3\n{entries}"));
+    assert_eq!(rounded(&path, "2"), found(1, "line 5"));
+    let array = "%%MatrixMarket matrix array real general\n2 1\n0.12345678901234567\n";
+    let path = folder.file("b.mtx", format!("{array}9007199254740993\n"));
+    assert_eq!(rounded(&path, ""), found(1, "line 4"));
+    let path = folder.file("c.mtx", format!("{array}9007199254740993e1\n"));
+    assert_eq!(rounded(&path, ""), None);
+}
+
+#[test]
 fn an_error_of_the_system_is_the_source_and_no_line_is_named() {
     let path = Folder::new().path("absent.csv");
     let error = read_all(&path).unwrap_err();

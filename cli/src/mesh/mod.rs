@@ -8,7 +8,8 @@ use std::time::Instant;
 use anyhow::{Context, Result, bail};
 use catamaran_geometry::mesh::io::{self as files, MeshFile, MeshFormat};
 use catamaran_geometry::mesh::{
-    Components, Normalization, Part, RepairOptions, RepairReport, RepairStep, TriMesh, Weld, repair,
+    Components, Normalization, Part, Problem, RepairOptions, RepairReport, RepairStep, TriMesh,
+    Weld, repair,
 };
 use clap::ValueEnum;
 
@@ -145,7 +146,7 @@ pub fn run(args: &Args) -> Result<()> {
         "{path}, read in {}",
         seconds(time)
     )?;
-    let mut found = file.mesh.validate();
+    let mut found = file.validate();
     report::validation(&file.mesh, &found)?;
     report::measures(&file)?;
 
@@ -165,6 +166,8 @@ pub fn run(args: &Args) -> Result<()> {
         }
         file = done.file;
         done.report.steps.iter().try_for_each(report::repair)?;
+        // A mesh has no face with a vertex twice.
+        found.problems.retain(|problem| !matches!(problem, Problem::CollapsedFaces { .. }));
         if done.report.changed() {
             found = file.mesh.validate();
             status!("repaired", path = path; "{path}")?;

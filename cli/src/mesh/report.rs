@@ -93,6 +93,9 @@ fn options(mesh: &TriMesh, found: &Validation) -> Vec<(String, &'static str)> {
 fn problem(problem: &Problem) -> Value {
     match problem {
         Problem::NoFace { vertices } => json!({"kind": "no_face", "vertices": vertices}),
+        Problem::CollapsedFaces { count, first } => {
+            json!({"kind": "collapsed_faces", "faces": count, "first": first})
+        }
         Problem::UnreferencedVertex(vertex) => {
             json!({"kind": "unreferenced_vertex", "vertex": vertex})
         }
@@ -277,14 +280,6 @@ pub fn measures(file: &MeshFile) -> Result<()> {
         extras.into_iter().filter(|(there, _)| *there).map(|(_, what)| what).collect();
     if !extras.is_empty() {
         report!("attributes", names = extras; "{}", extras.join(", "))?;
-    }
-    if file.collapsed_faces > 0 {
-        let count = file.collapsed_faces;
-        report!(
-            "left_out": "left out",
-            collapsed_faces = count;
-            "facets with two equal corners: {count}"
-        )?;
     }
     Ok(())
 }

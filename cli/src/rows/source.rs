@@ -123,6 +123,16 @@ impl Source {
         self.reading().map_or(Ok(()), |reading| tables::say(&self.name, reading))
     }
 
+    /// Returns the note about integers that have been rounded, but for tables, whose reading has
+    /// it.
+    fn rounded(&self) -> Option<String> {
+        match &self.content {
+            Content::File(file) => file.rounded_integers(),
+            Content::Table(_) => None,
+            Content::Whole(content) => content.rounded.as_ref().map(ToString::to_string),
+        }
+    }
+
     /// Returns the levels that the entries of a column are numbers of; none for numbers.
     pub fn levels(&self, column: usize) -> &[String] {
         let column = self.reading().and_then(|reading| reading.columns.get(column));
@@ -335,6 +345,15 @@ impl Source {
             }
         }
         Ok(None)
+    }
+}
+
+impl Drop for Source {
+    /// Says what only shows while rows are read.
+    fn drop(&mut self) {
+        if let Some(line) = self.rounded() {
+            note(format_args!("{}: {line}", self.name.display()));
+        }
     }
 }
 

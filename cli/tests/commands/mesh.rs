@@ -516,6 +516,22 @@ fn a_soup_is_resampled_after_it_is_repaired() {
 }
 
 #[test]
+fn faces_that_have_a_vertex_twice_are_a_problem_of_the_report() {
+    let folder = Folder::new();
+    folder.write("twice.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 2 2 3\nf 1 1 1\n");
+    let said = folder.succeed("mesh twice.obj");
+    let line = "problem     faces that have a vertex twice: 2 (left out, the first at line 5)\n";
+    assert!(said.contains(line), "{said}");
+    let records = folder.succeed("mesh twice.obj --json");
+    let problem = "{\"faces\":2,\"first\":\"line 5\",\"kind\":\"collapsed_faces\"}";
+    assert!(records.contains(problem), "{records}");
+    assert!(folder.fail("mesh twice.obj --check").contains("problems found: 1"));
+    // What is written has none.
+    folder.succeed("mesh twice.obj --repair --check -o once.obj");
+    assert!(folder.succeed("mesh once.obj --check").contains("problems    none"));
+}
+
+#[test]
 fn repeated_faces_and_faces_without_area_are_dropped_with_a_note() {
     let (mut points, mut faces) = families::icosphere(2).unwrap().into_parts();
     faces.push(faces[5]);

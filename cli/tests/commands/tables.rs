@@ -72,6 +72,14 @@ fn what_was_decided_is_said_once() {
                 in line 3, column 2 (id)\n";
     assert_eq!(folder.run("ata d.csv").stderr, said);
     assert!(folder.succeed("--json ata d.csv").contains(r#""rounded_integers":1"#));
+    let head = "%%MatrixMarket matrix array integer general\n3 1\n";
+    folder.write("e.mtx", format!("{head}1\n9007199254740993\n9007199254740995\n"));
+    let said = "note: e.mtx: 2 integers beyond 2^53 rounded, the first in line 4\n";
+    assert_eq!(folder.run("ata e.mtx").stderr, said);
+    folder.write_npy("f.npy", &[3, 1], &[1, (1_i64 << 53) + 1, -1]);
+    let said = "note: f.npy: integers beyond 2^53 rounded, the first in row 1, column 0 (counted \
+                from 0)\n";
+    assert_eq!(folder.run("ata f.npy").stderr, said);
     // Numbers are those of the file, also where columns are left out.
     let said = folder.succeed("lstsq a.csv --by-column 2");
     assert!(said.lines().any(|line| line.starts_with("x ")), "{said}");

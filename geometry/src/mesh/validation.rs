@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::TriMesh;
+use super::io::MeshFile;
 use super::repair::{Seams, representatives};
 use super::topology::{Adjacency, Components, Edges, Genus, face_list, genus_of};
 use super::vector::distance;
@@ -15,6 +16,14 @@ pub enum Problem {
     NoFace {
         /// The number of vertices.
         vertices: usize,
+    },
+    /// Faces of a file or of arrays that have a vertex twice. They are left out of the mesh, so
+    /// that the numbers of other problems do not count them.
+    CollapsedFaces {
+        /// Their number.
+        count: usize,
+        /// The place of the first one, such as `line 12` or `face 4`.
+        first: String,
     },
     /// No face has this vertex.
     UnreferencedVertex(u32),
@@ -74,6 +83,7 @@ impl Problem {
     pub fn kind(&self) -> &'static str {
         match self {
             Self::NoFace { .. } => "no faces",
+            Self::CollapsedFaces { .. } => "faces that have a vertex twice",
             Self::UnreferencedVertex(_) => "vertices without a face",
             Self::NonManifoldEdge { .. } => "edges with more than two faces",
             Self::NonManifoldVertex { .. } => "vertices at which the surface meets itself",
@@ -85,12 +95,22 @@ impl Problem {
             Self::NotOrientable { .. } => "not orientable",
         }
     }
+
+    /// Returns how many elements have the problem.
+    fn count(&self) -> usize {
+        match self {
+            Self::CollapsedFaces { count, .. } => *count,
+            _ => 1,
+        }
+    }
 }
 
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoFace { vertices } => write!(f, "a mesh of {vertices} vertices"),
+            Self::CollapsedFaces { count: 1, first } => write!(f, "left out, at {first}"),
+            Self::CollapsedFaces { first, .. } => write!(f, "left out, the first at {first}"),
             Self::UnreferencedVertex(vertex) => write!(f, "vertex {vertex}"),
             Self::NonManifoldEdge { ends: [a, b], faces } => {
                 write!(f, "edge {a}-{b} of {}", face_list(faces.iter().copied()))
@@ -170,15 +190,41 @@ impl fmt::Display for Validation {
             let shown: Vec<_> = group.iter().take(SHOWN).map(Problem::to_string).collect();
             let more = if group.len() > SHOWN { "; ..." } else { "" };
             let list = shown.join("; ");
-            write!(f, "\nproblem     {}: {} ({list}{more})", group[0].kind(), group.len())?;
+            let count: usize = group.iter().map(Problem::count).sum();
+            write!(f, "\nproblem     {}: {count} ({list}{more})", group[0].kind())?;
         }
         Ok(())
     }
 }
 
+impl MeshFile {
+    /// Checks the mesh as [`TriMesh::validate`] does. The first problem are the faces that have a
+    /// vertex twice, which are left out of the mesh.
+    ///
+    /// ```
+    /// use catamaran_geometry::mesh::io::MeshFile;
+    ///
+    /// let vertices = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    /// let report = MeshFile::from_arrays(vertices, vec![[0, 1, 2], [2, 1, 1]])?.validate();
+    /// assert_eq!(report.faces, 1);
+    /// let line = "faces that have a vertex twice: 1 (left out, at face 1)";
+    /// assert!(report.to_string().ends_with(line));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    pub fn validate(&self) -> Validation {
+        let mut report = self.mesh.validate();
+        if self.collapsed_faces > 0 {
+            let (count, first) = (self.collapsed_faces, self.first_collapsed.clone());
+            report.problems.insert(0, Problem::CollapsedFaces { count, first });
+        }
+        report
+    }
+}
+
 impl TriMesh {
     /// Checks the mesh for every [`Problem`], and counts vertices, edges, faces, components and
-    /// boundary loops.
+    /// boundary loops. No face of a mesh has a vertex twice: [`MeshFile::validate`] tells how many
+    /// of its file have.
     ///
     /// ```
     /// use catamaran_geometry::mesh::{Problem, TriMesh};

@@ -1150,14 +1150,23 @@ fn objects_of_3mf_are_in_their_places_in_millimetres() {
         assert!(found.contains(what), "{what}: {found}");
     }
     let space = "http://schemas.microsoft.com/3dmanufacturing";
-    let names = [("p", "production/2015/06"), ("b", "beamlattice/2017/02")];
-    let requires = |prefixes: &str| {
+    let names = [("p", "production/2015/06"), ("b", "beamlattice/2017/02"), ("s", "slice/2015/07")];
+    let requires_for = |prefixes: &str, resources: &str| {
         let spaces = names.map(|(prefix, name)| format!(" xmlns:{prefix}=\"{space}/{name}\""));
         let unit = format!("millimeter\"{} requiredextensions=\"{prefixes}", spaces.concat());
-        threemf(&[("3D/a.model", &model(&unit, &cube, "<item objectid=\"1\"/>"))])
+        threemf(&[("3D/a.model", &model(&unit, resources, "<item objectid=\"1\"/>"))])
     };
+    let requires = |prefixes: &str| requires_for(prefixes, &cube);
     is_cube(&requires("p"), format, "production");
-    let found = refused(&requires("p b"), format);
+    // Beams and slices that no object has, and slices of the triangles.
+    is_cube(&requires("p b"), format, "no beams");
+    is_cube(&requires("s"), format, "slices");
+    let coarse = cube.replacen("<object ", "<object s:meshresolution=\"lowres\" ", 1);
+    let file = read_bytes(&requires_for("s", &coarse), format).unwrap();
+    let said = "read the coarse meshes of objects, not their slices: 1, the first at object 1";
+    assert_eq!((file.mesh.faces().len(), &file.notes[..]), (12, &[said.to_owned()][..]));
+    let beams = cube.replacen("<mesh>", "<mesh><b:beamlattice/>", 1);
+    let found = refused(&requires_for("b", &beams), format);
     assert!(found.contains("requires the extension http") && found.contains("beam"), "{found}");
     let found = refused(&requires("q"), format);
     assert!(found.contains("requires the extension q, which is not supported"), "{found}");

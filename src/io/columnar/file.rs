@@ -19,6 +19,7 @@ use crate::io::columns::Columns;
 use crate::io::limits::{LARGER_MAX_MEMORY, check_memory, memory_limit};
 use crate::io::matrix::Dense;
 use crate::io::names::FileFormat;
+use crate::io::rounding::RoundedIntegers;
 use crate::io::rows::{Stamp, canonical, check_rows, seekable};
 use crate::io::source::error;
 use crate::io::table::{ColumnKind, Missing, TableOptions, TableReading, option, texts};
@@ -49,8 +50,8 @@ impl fmt::Debug for ColumnarFile {
 }
 
 impl ColumnarFile {
-    /// Opens a file of this format. Reads all columns where rows are dropped, else those of words,
-    /// once.
+    /// Opens a file of this format. Reads all columns where rows are dropped, else those of words
+    /// and of integers that may be rounded, once.
     ///
     /// # Errors
     /// [`Error::Io`] names the file and what is wrong; [`Error::Argument`] for columns that do not
@@ -82,7 +83,8 @@ impl ColumnarFile {
             .map(|column| Used { column: column.clone(), words: words(&column.kind) })
             .collect();
         let context = Context { path, store: &*store, missing: table.missing, par: table.par };
-        let (kept, seen) = scan(context, &used, options)?;
+        let Scan { kept, seen, rounded } = scan(context, &used, options)?;
+        reading.rounded = rounded;
         for ((used, column), seen) in used.iter_mut().zip(&mut reading.columns).zip(seen) {
             if let (Some(words), ColumnKind::Factor { levels }) = (&used.words, &mut column.kind) {
                 let sorted = words.sorted(&seen);
@@ -239,12 +241,18 @@ impl ColumnarFile {
     }
 }
 
-/// Returns the number of rows of each group that are kept, and which words rows have.
-fn scan(
-    context: Context<'_>,
-    used: &[Used],
-    options: &ReadOptions<'_>,
-) -> Result<(Vec<usize>, Vec<Vec<bool>>)> {
+/// What is known once the columns are read that need it.
+struct Scan {
+    /// The number of rows of each group that are kept.
+    kept: Vec<usize>,
+    /// Which words the rows have, for each column.
+    seen: Vec<Vec<bool>>,
+    rounded: Option<RoundedIntegers>,
+}
+
+/// Reads all columns where rows are dropped, else those of words and of integers of which some may
+/// be no f64.
+fn scan(context: Context<'_>, used: &[Used], options: &ReadOptions<'_>) -> Result<Scan> {
     let groups = &context.store.contents().groups;
     // A missing cell that is an error is found in the order of rows, when they are read.
     let drops = context.missing == Missing::Drop;
@@ -252,26 +260,45 @@ fn scan(
     let context = Context { missing, ..context };
     let mut kept = groups.clone();
     let mut seen = vec![Vec::new(); used.len()];
+    // The number of the next row in the file.
+    let mut first = 0;
+    let mut rounded = None;
+    let is_needed = |&j: &usize| {
+        drops || used[j].words.is_some() || context.store.may_round(used[j].column.number)
+    };
+    let needed: Vec<usize> = (0..used.len()).filter(is_needed).collect();
     for (number, kept) in kept.iter_mut().enumerate() {
-        let is_needed = |&j: &usize| drops || used[j].words.is_some();
-        let needed: Vec<usize> = (0..used.len()).filter(is_needed).collect();
         if needed.is_empty() {
             continue;
         }
         let mut group = Group::open(context, number, needed.iter().map(|&j| &used[j]))?;
         *kept = 0;
         while group.left > 0 {
+            let before = group.left;
             group.next(context)?;
             *kept += group.kept();
+            let mut lowest: Option<(usize, usize)> = None;
+            let mut count = 0;
             for (at, &j) in needed.iter().enumerate() {
                 if used[j].words.is_some() {
                     group.mark(at, &mut seen[j]);
+                    continue;
+                }
+                for row in group.rounded(at) {
+                    count += 1;
+                    lowest = lowest.min(Some((row, j))).or(Some((row, j)));
                 }
             }
+            let (row, column) = lowest.unwrap_or_default();
+            RoundedIntegers::add(&mut rounded, count, || {
+                let name = &used[column].column.name;
+                format!("row {} (counted from 0), column {name}", first + row)
+            });
+            first += before - group.left;
             options.progress.report(number as f64 / groups.len() as f64)?;
         }
     }
-    Ok((kept, seen))
+    Ok(Scan { kept, seen, rounded })
 }
 
 impl<T: Real> RowBlocks<T> for ColumnarFile {

@@ -161,6 +161,15 @@ impl Group {
         }
     }
 
+    /// Returns the rows among those that are decoded and kept in which an integer of a column was
+    /// rounded.
+    pub fn rounded(&self, column: usize) -> impl Iterator<Item = usize> {
+        let rows = self.columns[column].cells.rounded.iter().copied();
+        let is_kept =
+            |row: u32| self.kept.as_ref().is_none_or(|kept| kept.binary_search(&row).is_ok());
+        rows.filter(move |&row| is_kept(row as u32))
+    }
+
     /// Copies kept rows, from `first` of them on, into the rows of `out`.
     pub fn copy<T: Real>(&self, first: usize, out: MatMut<'_, T>, par: Par) {
         let columns: Vec<&[f64]> = self.columns.iter().map(|c| &c.cells.values[..]).collect();

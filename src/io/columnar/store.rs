@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::fault::Fault;
 use super::words::Words;
+use crate::io::rounding::is_rounded;
 
 /// A column of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -21,16 +22,71 @@ pub enum Kind {
     Other(String),
 }
 
+/// An integer of any size.
+pub trait Integer: Copy {
+    fn magnitude(self) -> u128;
+
+    /// Returns the nearest f64.
+    fn number(self) -> f64;
+}
+
+impl Integer for i64 {
+    #[inline]
+    fn magnitude(self) -> u128 {
+        self.unsigned_abs().into()
+    }
+
+    #[inline]
+    fn number(self) -> f64 {
+        self as f64
+    }
+}
+
+impl Integer for u64 {
+    #[inline]
+    fn magnitude(self) -> u128 {
+        self.into()
+    }
+
+    #[inline]
+    fn number(self) -> f64 {
+        self as f64
+    }
+}
+
+impl Integer for i128 {
+    #[inline]
+    fn magnitude(self) -> u128 {
+        self.unsigned_abs()
+    }
+
+    #[inline]
+    fn number(self) -> f64 {
+        self as f64
+    }
+}
+
 /// Some rows of a column.
 #[derive(Debug, Default)]
 pub struct Cells {
     /// Numbers, or numbers of words; NaN where a cell is missing.
     pub values: Vec<f64>,
+    /// The places in `values` of integers that were rounded, ascending.
+    pub rounded: Vec<usize>,
 }
 
 impl Cells {
     pub fn clear(&mut self) {
         self.values.clear();
+        self.rounded.clear();
+    }
+
+    /// Adds an integer, rounded to the nearest f64.
+    pub fn push_integer(&mut self, integer: impl Integer) {
+        if is_rounded(integer.magnitude()) {
+            self.rounded.push(self.values.len());
+        }
+        self.values.push(integer.number());
     }
 
     /// Adds a missing cell.
@@ -60,6 +116,9 @@ pub struct Contents {
 /// An open columnar file.
 pub trait Store: Send + Sync {
     fn contents(&self) -> &Contents;
+
+    /// Returns whether a column may have integers that are no f64.
+    fn may_round(&self, field: usize) -> bool;
 
     /// Opens a column of numbers, or one of words with their numbers.
     fn column(

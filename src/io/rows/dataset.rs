@@ -15,12 +15,13 @@ use faer::MatMut;
 use faer::prelude::ReborrowMut;
 
 pub(in crate::io) use self::access::open;
-use self::entry::Entry;
+use self::entry::{Entry, Long};
 use self::layout::{Chunks, Sources};
 use self::packing::Packing;
 use super::file::{BUFFER, Stamp, canonical, seekable};
 use crate::base::{Real, Result, reserved};
 use crate::io::extents::padded_bytes;
+use crate::io::rounding::{FirstRounded, is_rounded};
 use crate::io::source::{error, error_at};
 
 #[derive(Debug)]
@@ -45,6 +46,49 @@ pub(super) struct DatasetRows {
     notes: Vec<String>,
     /// Closed after the dataset: fields are dropped in order.
     _file: File,
+}
+
+/// A number as HDF5 gives it.
+trait Stored: H5Type + Copy + Default {
+    /// Returns the nearest f64.
+    fn number(self) -> f64;
+
+    /// Returns whether the number is an integer and no f64.
+    fn is_rounded(self) -> bool {
+        false
+    }
+}
+
+impl Stored for f32 {
+    fn number(self) -> f64 {
+        self.into()
+    }
+}
+
+impl Stored for f64 {
+    fn number(self) -> f64 {
+        self
+    }
+}
+
+impl Stored for i64 {
+    fn number(self) -> f64 {
+        self as f64
+    }
+
+    fn is_rounded(self) -> bool {
+        is_rounded(self.unsigned_abs().into())
+    }
+}
+
+impl Stored for u64 {
+    fn number(self) -> f64 {
+        self as f64
+    }
+
+    fn is_rounded(self) -> bool {
+        is_rounded(self.into())
+    }
 }
 
 impl DatasetRows {
@@ -164,13 +208,21 @@ impl DatasetRows {
         rows: Range<usize>,
         columns: Range<usize>,
         out: MatMut<'_, T>,
+        rounded: &FirstRounded,
     ) -> Result<()> {
         let as_stored = self.packing.is_none() && !self.transposed;
-        let done = match (self.is_single(), T::NAME == f32::NAME) {
-            (true, true) if as_stored => self.read_same::<T, f32>(rows, columns, out),
-            (false, false) if as_stored => self.read_same::<T, f64>(rows, columns, out),
-            (true, _) => self.read_pieces::<T, f32>(rows, columns, out),
-            (false, _) => self.read_pieces::<T, f64>(rows, columns, out),
+        let done = match (self.entry.long, self.is_single(), T::NAME == f32::NAME) {
+            // The library does not tell which of them it rounds.
+            (Some(Long::Signed), ..) => self.read_pieces::<T, i64>(rows, columns, out, rounded),
+            (Some(Long::Unsigned), ..) => self.read_pieces::<T, u64>(rows, columns, out, rounded),
+            (None, true, true) if as_stored => {
+                self.read_same::<T, f32>(rows, columns, out, rounded)
+            }
+            (None, false, false) if as_stored => {
+                self.read_same::<T, f64>(rows, columns, out, rounded)
+            }
+            (None, true, _) => self.read_pieces::<T, f32>(rows, columns, out, rounded),
+            (None, false, _) => self.read_pieces::<T, f64>(rows, columns, out, rounded),
         };
         // This check comes first, because HDF5 reads missing bytes at the end of a file as zeros,
         // or fails with another message.
@@ -182,11 +234,12 @@ impl DatasetRows {
     }
 
     /// Reads a block in the precision of the file: T is S.
-    fn read_same<T: Real, S: Real + H5Type>(
+    fn read_same<T: Real, S: Stored>(
         &self,
         rows: Range<usize>,
         columns: Range<usize>,
         out: MatMut<'_, T>,
+        rounded: &FirstRounded,
     ) -> Result<()> {
         let (height, width) = out.shape();
         let rows_apart = height == 1 || out.row_stride() >= width as isize;
@@ -198,15 +251,16 @@ impl DatasetRows {
                 self.read_into::<S>(rows, columns, out.as_ptr_mut().cast(), height, width, stride)
             };
         }
-        self.read_pieces::<T, S>(rows, columns, out)
+        self.read_pieces::<T, S>(rows, columns, out, rounded)
     }
 
-    /// Reads a block through a buffer of the precision S, and gives each entry its meaning.
-    fn read_pieces<T: Real, S: Real + H5Type>(
+    /// Reads a block through a buffer of numbers S, and gives each entry its meaning.
+    fn read_pieces<T: Real, S: Stored>(
         &self,
         rows: Range<usize>,
         columns: Range<usize>,
         out: MatMut<'_, T>,
+        rounded: &FirstRounded,
     ) -> Result<()> {
         // From here on, rows are those of the dataset.
         let (rows, columns, mut out) = match self.transposed {
@@ -218,7 +272,7 @@ impl DatasetRows {
         let width = at_once.min(columns.len());
         let height = (at_once / width).min(rows.len());
         let mut values: Vec<S> = reserved(height * width)?;
-        values.resize(height * width, S::ZERO);
+        values.resize(height * width, S::default());
         for i in (0..rows.len()).step_by(height) {
             let height = height.min(rows.len() - i);
             for j in (0..columns.len()).step_by(width) {
@@ -231,9 +285,14 @@ impl DatasetRows {
                     self.read_into(rows, columns, to, height, width, width)?;
                 }
                 let mut out = out.rb_mut().submatrix_mut(i, j, height, width);
-                for (i, row) in values.chunks_exact(width).take(height).enumerate() {
-                    for (j, &value) in row.iter().enumerate() {
-                        let value = value.to_f64();
+                for (i, entries) in values.chunks_exact(width).take(height).enumerate() {
+                    for (j, &stored) in entries.iter().enumerate() {
+                        if stored.is_rounded() {
+                            let place = (row + i, column + j);
+                            let place = if self.transposed { (place.1, place.0) } else { place };
+                            rounded.add(place.0, place.1);
+                        }
+                        let value = stored.number();
                         let meant = if as_stored { value } else { self.packing.value(value) };
                         out[(i, j)] = T::from_f64(meant);
                     }

@@ -23,6 +23,7 @@ use super::columns::checked_columns;
 use super::names::without_hdf5;
 use super::names::{RowsFormat, foreign};
 use super::npy::is_complex;
+use super::rounding::FirstRounded;
 use super::source::error;
 use crate::base::{Error, Real, Result};
 use crate::rows::RowBlocks;
@@ -75,6 +76,7 @@ pub struct RowFile {
     content: Content,
     /// The columns that are part of the matrix.
     columns: Range<usize>,
+    rounded: FirstRounded,
 }
 
 impl RowFile {
@@ -91,7 +93,8 @@ impl RowFile {
             RowsFormat::Hdf5 { path, dataset } => open_dataset(&path, dataset.as_deref())?,
         };
         let columns = 0..content.shape().1;
-        Ok(Self { name: name.into(), content, columns })
+        let rounded = FirstRounded::new(columns.len());
+        Ok(Self { name: name.into(), content, columns, rounded })
     }
 
     /// Returns whether a file of this name is read by rows: the name or the content is that of an
@@ -140,7 +143,7 @@ impl RowFile {
     pub fn try_clone(&self) -> Result<Self> {
         let other = Self::open(&self.name)?.with_columns(self.columns.clone())?;
         if other.identity() == self.identity() {
-            Ok(other)
+            Ok(Self { rounded: self.rounded.clone(), ..other })
         } else {
             Err(error(self.path(), None, CHANGED))
         }
@@ -157,7 +160,7 @@ impl RowFile {
     }
 
     /// Returns whether the file holds single precision. All other types are read as f64, which
-    /// rounds integers beyond 2^53.
+    /// rounds integers beyond 2^53 ([`RowFile::rounded_integers`]).
     pub fn is_single(&self) -> bool {
         self.content.is_single()
     }
@@ -180,6 +183,29 @@ impl RowFile {
             #[cfg(feature = "hdf5")]
             Content::Hdf5(dataset) => dataset.notes(),
         }
+    }
+
+    /// Returns a note with the place of the first integer beyond 2^53 that was rounded when rows
+    /// were read, from these or from their clones; `None` if there is none.
+    ///
+    /// ```
+    /// use catamaran::faer::{Mat, mat};
+    /// use catamaran::io::{self, Output, Overwrite, RowFile};
+    /// use catamaran::rows::RowBlocks;
+    ///
+    /// # let folder = tempfile::tempdir().unwrap();
+    /// # let path = &folder.path().join("a.npy");
+    /// let a = mat![[1 << 53, (1 << 53) + 1]];
+    /// io::write_integers(Output::create(path, Overwrite::Never)?, a.as_ref())?;
+    /// let mut rows = RowFile::open(path)?;
+    /// assert_eq!(rows.rounded_integers(), None);
+    /// rows.read(0, Mat::<f64>::zeros(1, 2).as_mut())?;
+    /// let note = "integers beyond 2^53 rounded, the first in row 0, column 1 (counted from 0)";
+    /// assert_eq!(rows.rounded_integers().as_deref(), Some(note));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    pub fn rounded_integers(&self) -> Option<String> {
+        self.rounded.note()
     }
 
     /// Returns the path of the file; for HDF5 without the name of the dataset.
@@ -226,10 +252,11 @@ impl<T: Real> RowBlocks<T> for RowFile {
         if rows.is_empty() || self.columns.is_empty() {
             return Ok(());
         }
+        let (columns, rounded) = (self.columns.clone(), &self.rounded);
         match &mut self.content {
-            Content::Npy(npy) => npy.read(rows, self.columns.clone(), out),
+            Content::Npy(npy) => npy.read(rows, columns, out, rounded),
             #[cfg(feature = "hdf5")]
-            Content::Hdf5(dataset) => dataset.read(rows, self.columns.clone(), out),
+            Content::Hdf5(dataset) => dataset.read(rows, columns, out, rounded),
         }
     }
 }

@@ -16,6 +16,7 @@ use crate::base::{Real, Result};
 use crate::io::SourceOptions;
 use crate::io::npy::{Layout, trailing, truncated};
 use crate::io::packing::Packing;
+use crate::io::rounding::FirstRounded;
 use crate::io::source::{Source, error, error_at};
 
 /// Entries between the pieces of two lines are also read when they have at most this many bytes,
@@ -79,11 +80,12 @@ impl NpyRows {
         rows: Range<usize>,
         columns: Range<usize>,
         out: MatMut<'_, T>,
+        rounded: &FirstRounded,
     ) -> Result<()> {
         if self.layout.row_major {
-            self.read_lines(rows, columns, out)?;
+            self.read_lines(rows, columns, out, rounded)?;
         } else {
-            self.read_lines(columns, rows, out.transpose_mut())?;
+            self.read_lines(columns, rows, out.transpose_mut(), rounded)?;
         }
         self.stamp.check(&self.path, self.file.metadata())
     }
@@ -93,6 +95,7 @@ impl NpyRows {
         lines: Range<usize>,
         entries: Range<usize>,
         mut out: MatMut<'_, T>,
+        rounded: &FirstRounded,
     ) -> Result<()> {
         let (rows, columns) = self.layout.shape;
         let line = if self.layout.row_major { columns } else { rows };
@@ -107,7 +110,7 @@ impl NpyRows {
                 let width = at_once.min(entries.len() - j);
                 let start = (lines.start + i) * line + entries.start + j;
                 let out = out.rb_mut().submatrix_mut(i, j, height, width);
-                self.read_piece(start, line, out, &mut values)?;
+                self.read_piece(start, line, out, &mut values, rounded)?;
             }
         }
         Ok(())
@@ -120,6 +123,7 @@ impl NpyRows {
         line: usize,
         mut out: MatMut<'_, T>,
         values: &mut Vec<T>,
+        rounded: &FirstRounded,
     ) -> Result<()> {
         let (height, width) = out.shape();
         let (entry, big) = (self.layout.entry, self.layout.big);
@@ -134,6 +138,14 @@ impl NpyRows {
         let count = (height - 1) * line + width;
         self.buffer.resize(count * entry.bytes(), 0);
         read_at(&mut self.file, &self.layout, &self.path, start, &mut self.buffer)?;
+        let layout = &self.layout;
+        entry.each_rounded(big, &self.buffer, |at| {
+            // Between the pieces of two lines are entries that are not used.
+            if at % line < width {
+                let (row, column) = layout.place(start + at);
+                rounded.add(row, column);
+            }
+        });
         values.clear();
         entry.decode(big, &self.buffer, values);
         for (i, row) in values.chunks(line).enumerate() {

@@ -291,6 +291,38 @@ fn files_that_change_while_they_are_read_are_refused() {
 }
 
 #[test]
+fn the_first_integer_that_is_rounded_is_known_once_it_is_read() {
+    let folder = Folder::new();
+    let mut values = vec![0_i64; 5 * 300];
+    // Rows of 300 entries: row 2, column 7, and row 4, column 299.
+    (values[607], values[1499]) = ((1 << 53) + 1, i64::MAX);
+    let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+    let said = |row: usize, column: usize| {
+        let place = format!("row {row}, column {column} (counted from 0)");
+        Some(format!("integers beyond 2^53 rounded, the first in {place}"))
+    };
+    for (order, shape) in [("False", "(5, 300)"), ("True", "(300, 5)")] {
+        let path = folder.file("a.npy", npy("<i8", order, shape, &bytes));
+        let mut rows = RowFile::open(&path).unwrap();
+        let mut clone = rows.try_clone().unwrap();
+        let count = rows.nrows() - 1;
+        block::<f64>(&mut clone, 0, 2);
+        assert_eq!(rows.rounded_integers(), None);
+        let (first, last) = match order {
+            "False" => (said(2, 7), said(4, 299)),
+            _ => (said(7, 2), said(299, 4)),
+        };
+        block::<f32>(&mut rows, count, 1);
+        assert_eq!(clone.rounded_integers(), last);
+        block::<f64>(&mut clone, 1, count);
+        assert_eq!(rows.rounded_integers(), first);
+        let mut some = RowFile::open(&path).unwrap().with_columns(0..2).unwrap();
+        block::<f64>(&mut some, 0, count + 1);
+        assert_eq!(some.rounded_integers(), None);
+    }
+}
+
+#[test]
 fn clones_read_the_same_rows_on_their_own() {
     let folder = Folder::new();
     let path = folder.path("a.npy");

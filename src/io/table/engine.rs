@@ -9,10 +9,11 @@ use super::foreign;
 use super::layout::{Decided, Layout, decide};
 use super::options::TableOptions;
 use super::piece::Piece;
-use super::reading::{RoundedIntegers, TableReading};
+use super::reading::TableReading;
 use super::text::Text;
 use crate::base::{Par, Real, Result};
 use crate::io::columns::Columns;
+use crate::io::rounding::RoundedIntegers;
 
 /// Bytes of the beginning of a file that decide how it is read, unless it has few lines there.
 const SAMPLE: usize = 1 << 16;
@@ -122,8 +123,8 @@ impl<R: Read> Engine<R> {
                 }
                 if let Some(more) = &piece.rounded {
                     let line = self.text.lines + lines + more.line + 1;
-                    let first = || RoundedIntegers { count: 0, line, ..more.clone() };
-                    self.rounded.get_or_insert_with(first).count += more.count;
+                    let place = || format!("line {line}, {}", more.column);
+                    RoundedIntegers::add(&mut self.rounded, more.count, place);
                 }
                 batch.rows += piece.rows;
                 batch.dropped += piece.dropped;

@@ -38,9 +38,10 @@ mod write;
 
 pub(super) use self::file::TextFile;
 pub(super) use self::message::option;
+pub(super) use self::number::rounded_words;
 pub use self::options::{Missing, Separator, TableOptions, Words};
 #[cfg(feature = "columnar")]
 pub(super) use self::piece::{Levels, texts};
-pub use self::reading::{ColumnKind, RoundedIntegers, TableColumn, TableReading};
+pub use self::reading::{ColumnKind, TableColumn, TableReading};
 pub(super) use self::whole::read;
 pub(super) use self::write::write;

@@ -179,6 +179,16 @@ pub(super) fn is_rounded(field: &[u8], notation: Notation) -> bool {
     digits.len() >= LONG && digits.parse().is_ok_and(is_other)
 }
 
+/// Returns how many words of a line of numbers, without the first `before`, are integers of which
+/// [`is_rounded`] is true.
+pub(in crate::io) fn rounded_words(line: &str, before: usize) -> usize {
+    if !may_be_rounded(line.as_bytes(), PLAIN) {
+        return 0;
+    }
+    let words = line.split_ascii_whitespace().skip(before);
+    words.filter(|word| is_rounded(word.as_bytes(), PLAIN)).count()
+}
+
 /// Returns what is in `"..."` or `="..."`, by which spreadsheets keep numbers from being changed,
 /// or in `'...'`, which databases write.
 fn unwrapped(field: &[u8]) -> &[u8] {

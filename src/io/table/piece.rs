@@ -7,7 +7,6 @@ use super::layout::{Layout, Use};
 use super::message::{excerpt, fields, option};
 use super::number;
 use super::options::Missing;
-use super::reading::RoundedIntegers;
 use super::splitter::{Found, Splitter};
 
 /// What is wrong with a record.
@@ -58,10 +57,19 @@ pub(super) struct Piece {
     /// Bytes of all whole records.
     pub bytes: usize,
     pub fault: Option<Fault>,
-    /// The integers that were rounded; the line of the first is one of the piece, from 0.
-    pub rounded: Option<RoundedIntegers>,
+    pub rounded: Option<Rounded>,
     /// Whether the first record is the first one of the table.
     pub is_start: bool,
+}
+
+/// Integers that were rounded.
+#[derive(Debug)]
+pub struct Rounded {
+    pub count: u64,
+    /// The line of the first one in the piece, from 0.
+    pub line: usize,
+    /// The column of the first one as messages call it.
+    pub column: String,
 }
 
 /// Whether a row is kept.
@@ -207,7 +215,7 @@ impl Piece {
                 continue;
             }
             let line = self.lines;
-            let first = || RoundedIntegers { count: 0, line, column: column(layout, j) };
+            let first = || Rounded { count: 0, line, column: column(layout, j) };
             self.rounded.get_or_insert_with(first).count += 1;
         }
     }

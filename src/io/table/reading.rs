@@ -7,6 +7,7 @@ use super::options::Separator;
 use super::splitter::Between;
 use crate::io::columns::listed;
 use crate::io::names::FileFormat;
+use crate::io::rounding::RoundedIntegers;
 
 /// A column of a table that was read.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -32,18 +33,6 @@ pub enum ColumnKind {
         /// The different words, sorted by their bytes.
         levels: Vec<String>,
     },
-}
-
-/// Integers of text that are beyond 2^53 and no f64, so that they were rounded to the nearest one.
-#[derive(Debug, Clone, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct RoundedIntegers {
-    /// How many there are.
-    pub count: u64,
-    /// The line of the first one, from 1.
-    pub line: usize,
-    /// The column of the first one as messages call it: `column 2 (id)`, from 1.
-    pub column: String,
 }
 
 /// How a text table was read. A face prints it once ([`Display`](fmt::Display)).
@@ -94,7 +83,7 @@ pub struct TableReading {
     pub columns: Vec<TableColumn>,
     /// Rows that were left out because a cell in a column that is used is missing.
     pub dropped_rows: u64,
-    /// The integers of text that were rounded; `None` where there are none, and in other formats.
+    /// The integers that were rounded; `None` where there are none.
     pub rounded: Option<RoundedIntegers>,
 }
 
@@ -188,14 +177,7 @@ impl fmt::Display for TableReading {
             1 => parts.push("1 row with a missing cell left out".into()),
             rows => parts.push(format!("{rows} rows with missing cells left out")),
         }
-        if let Some(RoundedIntegers { count, line, column }) = &self.rounded {
-            parts.push(match count {
-                1 => format!("an integer beyond 2^53 rounded, in line {line}, {column}"),
-                _ => format!(
-                    "{count} integers beyond 2^53 rounded, the first in line {line}, {column}"
-                ),
-            });
-        }
+        parts.extend(self.rounded.as_ref().map(ToString::to_string));
         f.write_str(&parts.join(", "))
     }
 }

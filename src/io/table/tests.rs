@@ -635,7 +635,7 @@ fn integers_that_are_rounded_are_counted() {
     let large = 2.0_f64.powi(53);
     let rows: &[&[f64]] = &[&[1.0, large], &[2.5, large], &[7.0, -large - 4.0], &[3.0, 4.0]];
     let rounded = check(text, &auto(), rows, &["x", "id"]).rounded.unwrap();
-    assert_eq!((rounded.count, rounded.line, &rounded.column[..]), (2, 3, "column 2 (id)"));
+    assert_eq!((rounded.count, &rounded.place[..]), (2, "line 3, column 2 (id)"));
     let all = "2 integers beyond 2^53 rounded, the first in line 3, column 2 (id)";
     assert!(said(text, &auto()).ends_with(all));
     // Only cells that are used count, and no missing ones.

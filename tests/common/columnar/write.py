@@ -56,6 +56,15 @@ MISSING = {
     "flag": pa.array([None if i == 30 else i % 2 == 0 for i in ROWS]),
 }
 
+LARGE = {
+    "id": pa.array([1, 2**53, 2**53 + 1, None, -(2**53) - 3], pa.int64()),
+    "x": pa.array([0.5, 1, 2, 3, None]),
+    "u64": pa.array([2**64 - 1, 2**63, 0, 1, 2], pa.uint64()),
+    "whole": pa.array([5, 2**53 + 1, 4, 3, 2], pa.decimal128(20, 0)),
+    "small": pa.array([2**53, 2, 3, 4, 5], pa.int64()),
+    "took": pa.array([1, 2, 3, 4, 5], pa.duration("ms")),
+}
+
 
 def write(name, table, **options):
     pq.write_table(table, HERE / f"{name}.parquet", row_group_size=20, **options)
@@ -68,6 +77,9 @@ def main():
     missing = pa.table(MISSING)
     write("missing", missing, compression="none", use_dictionary=False, data_page_version="2.0")
     feather.write_feather(missing, HERE / "missing.arrow", compression="uncompressed", chunksize=20)
+    large = pa.table(LARGE)
+    pq.write_table(large, HERE / "large.parquet", row_group_size=2, compression="none")
+    feather.write_feather(large, HERE / "large.arrow", compression="uncompressed", chunksize=2)
     nulls = pa.table({"nothing": pa.nulls(12345)})
     feather.write_feather(nulls, HERE / "nulls.arrow", compression="uncompressed")
     numbers = pa.table({name: KINDS[name] for name in ("f64", "i32")} | {"word": OTHERS["word"]})

@@ -37,6 +37,8 @@ pub struct MeshFile {
     pub material_files: Vec<String>,
     /// Number of triangles that are left out because two of their corners are one vertex.
     pub collapsed_faces: usize,
+    /// The place of the first of these triangles, such as `line 12` or `face 4`; empty without one.
+    pub first_collapsed: String,
     /// What the reader left out or replaced, one line each; empty for a mesh that was not read from
     /// a file.
     pub notes: Vec<String>,
@@ -53,10 +55,10 @@ impl MeshFile {
         faces.retain(|face| !has_corner_twice(face));
         let collapsed_faces = all - faces.len();
         let mut notes = Notes::default();
-        let place = || format!("face {}", first.unwrap_or_default());
-        notes.add_many(COLLAPSED, collapsed_faces, place);
-        let notes = notes.lines();
-        Ok(Self { collapsed_faces, notes, ..TriMesh::new(vertices, faces)?.into() })
+        let first_collapsed = first.map_or_else(String::new, |face| format!("face {face}"));
+        notes.add_many(COLLAPSED, collapsed_faces, || first_collapsed.clone());
+        let (mesh, notes) = (TriMesh::new(vertices, faces)?, notes.lines());
+        Ok(Self { collapsed_faces, first_collapsed, notes, ..mesh.into() })
     }
 }
 
@@ -73,6 +75,7 @@ impl From<TriMesh> for MeshFile {
             scalars: Vec::new(),
             material_files: Vec::new(),
             collapsed_faces: 0,
+            first_collapsed: String::new(),
             notes: Vec::new(),
         }
     }
@@ -115,6 +118,7 @@ impl MeshFile {
             scalars: self.scalars.iter().map(|s| s.at(&part.vertices)).collect(),
             material_files: self.material_files.clone(),
             collapsed_faces: self.collapsed_faces,
+            first_collapsed: self.first_collapsed.clone(),
             notes: self.notes.clone(),
             mesh: part.mesh,
         })

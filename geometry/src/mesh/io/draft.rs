@@ -191,18 +191,22 @@ impl Draft {
         labels: &mut [&mut Vec<u32>],
     ) -> Result<MeshFile> {
         self.cut_polygons(corners);
-        let mut collapsed_faces = 0;
+        let (mut collapsed_faces, mut first_collapsed) = (0, String::new());
         if let Some(place) = self.collapsed_at.take() {
             let kept: Vec<bool> = self.faces.iter().map(|face| !has_corner_twice(face)).collect();
             collapsed_faces = kept.iter().filter(|&&kept| !kept).count();
-            self.notes.add_many(COLLAPSED, collapsed_faces, || place);
+            if collapsed_faces > 0 {
+                first_collapsed = place;
+            }
+            self.notes.add_many(COLLAPSED, collapsed_faces, || first_collapsed.clone());
             keep(&mut self.faces, &kept);
             corners.iter_mut().for_each(|list| keep(list, &kept));
             labels.iter_mut().for_each(|list| keep(list, &kept));
         }
         let mesh = TriMesh::new(self.vertices, self.faces)?;
         let notes = self.notes.lines();
-        Ok(MeshFile { collapsed_faces, notes, ..MeshFile::from(mesh) })
+        let file = MeshFile::from(mesh);
+        Ok(MeshFile { collapsed_faces, first_collapsed, notes, ..file })
     }
 
     fn cut_polygons(&mut self, corners: &mut [&mut Vec<[u32; 3]>]) {

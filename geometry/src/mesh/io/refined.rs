@@ -53,6 +53,7 @@ impl MeshFile {
             scalars: self.scalars.iter().map(|scalars| finer(scalars, refined)).collect(),
             material_files: self.material_files.clone(),
             collapsed_faces: self.collapsed_faces,
+            first_collapsed: self.first_collapsed.clone(),
             notes: self.notes.clone(),
         })
     }

@@ -27,8 +27,13 @@ const MODEL: &str = "/3dmodel";
 /// the time that objects within objects take.
 const PLACE: usize = 1 << 10;
 
-/// Parts of the names of extensions that change no triangles, or that the reader applies.
-const EXTENSIONS: [&str; 3] = ["/production/", "/material/", "/trianglesets/"];
+/// Parts of the names of extensions that change no triangles, or that the reader applies. Slices
+/// are those of the triangles, unless an object says that its mesh is coarse, which is noted.
+const EXTENSIONS: [&str; 4] = ["/production/", "/material/", "/trianglesets/", "/slice/"];
+
+/// Part of the name of the extension whose beams are refused where a model requires them and has
+/// some.
+const BEAMS: &str = "/beamlattice/";
 
 /// Components within components, at most.
 const DEEPEST: usize = 64;
@@ -50,6 +55,8 @@ fn mesh(bytes: &[u8], budget: &mut Budget<'_, '_>) -> Checked<MeshFile> {
 struct Object {
     /// Whether it only holds others up while they are printed.
     is_support: bool,
+    /// Whether its mesh is coarse, and what is printed are its slices.
+    is_coarse: bool,
     vertices: Vec<[f64; 3]>,
     faces: Vec<[u32; 3]>,
     components: Vec<Item>,
@@ -174,6 +181,8 @@ impl<'p, 's, 'a> Package<'p, 's, 'a> {
         // The object that is being read, and its number.
         let mut open: Option<(usize, Object)> = None;
         let mut is_model = false;
+        // The extension of beams, if the model requires it.
+        let mut beams = None;
         while let Some(event) = xml.next()? {
             let tag = match event {
                 Event::Start(tag) => tag,
@@ -190,7 +199,7 @@ impl<'p, 's, 'a> Package<'p, 's, 'a> {
             match tag.name {
                 b"model" => {
                     is_model = true;
-                    check_extensions(&tag)?;
+                    beams = check_extensions(&tag)?;
                     let unit = tag.get("unit").unwrap_or("millimeter".into());
                     scale = millimetres(&unit)
                         .ok_or_else(|| format!("unknown unit {unit:?} of the model"))?;
@@ -198,10 +207,16 @@ impl<'p, 's, 'a> Package<'p, 's, 'a> {
                         (self.scale, self.unit) = (scale, unit.into_owned());
                     }
                 }
+                b"beamlattice" => {
+                    if let Some(name) = &beams {
+                        return Err(requires(name).into());
+                    }
+                }
                 b"object" => {
                     let kind = tag.get("type");
                     let is_support = matches!(kind.as_deref(), Some("support" | "solidsupport"));
-                    let object = Object { is_support, ..Object::default() };
+                    let is_coarse = tag.get("meshresolution").as_deref() == Some("lowres");
+                    let object = Object { is_support, is_coarse, ..Object::default() };
                     open = Some((count(tag.bytes("id")?)?, object));
                 }
                 b"item" if is_root => {
@@ -283,6 +298,10 @@ impl<'p, 's, 'a> Package<'p, 's, 'a> {
             self.supports = (count + 1, if count == 0 { *id } else { first });
             return Ok(());
         }
+        if object.is_coarse {
+            let what = "read the coarse meshes of objects, not their slices";
+            draft.notes.add(what, || format!("object {id}"));
+        }
         // Few objects can be many in their places, also when they are empty.
         let (vertices, faces) = (object.vertices.len(), object.faces.len());
         let bytes = PLACE + size_of::<[f64; 3]>() * vertices;
@@ -308,17 +327,25 @@ impl<'p, 's, 'a> Package<'p, 's, 'a> {
     }
 }
 
-/// Returns an error if a model can't be read without an extension that is not supported.
-fn check_extensions(model: &Tag<'_>) -> Checked<()> {
+/// Returns an error if a model can't be read without an extension that is not supported; the name
+/// of the extension of beams, if it is required.
+fn check_extensions(model: &Tag<'_>) -> Checked<Option<String>> {
+    let mut beams = None;
     let required = model.get("requiredextensions").unwrap_or_default();
     for prefix in required.split_whitespace() {
         // `xmlns:prefix`, of which a tag keeps the end.
         let name = model.get(prefix).unwrap_or(prefix.into());
-        if !EXTENSIONS.iter().any(|known| name.contains(known)) {
-            return Err(format!("requires the extension {name}, which is not supported").into());
+        if name.contains(BEAMS) {
+            beams = Some(name.into_owned());
+        } else if !EXTENSIONS.iter().any(|known| name.contains(known)) {
+            return Err(requires(&name).into());
         }
     }
-    Ok(())
+    Ok(beams)
+}
+
+fn requires(extension: &str) -> String {
+    format!("requires the extension {extension}, which is not supported")
 }
 
 /// Returns the name of a part as the archive has it: without a slash in front.

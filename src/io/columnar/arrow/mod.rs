@@ -17,10 +17,12 @@ use self::flat::Table;
 use self::schema::{Column, Entry, Extent};
 use self::values::{Numbers, Values};
 use super::fault::Fault;
-use super::store::{ColumnReader, Contents, Store};
+use super::store::{ColumnReader, Contents, Kind, Store};
 use super::words::Words;
 use crate::base::Error;
 use crate::io::source::{error, error_at};
+
+pub use self::schema::DURATIONS;
 
 /// How a file begins and ends.
 const MAGIC: &[u8; 6] = b"ARROW1";
@@ -51,6 +53,48 @@ pub struct ArrowStore {
     dictionaries: Mutex<HashMap<i64, Arc<Dictionary>>>,
     /// Bytes that a buffer may take.
     limit: u64,
+}
+
+/// Returns the names of the columns of durations, as the metadata of a Parquet file have them: a
+/// message with a schema, in base64; none where the metadata are of another form.
+pub fn durations(metadata: &str) -> Vec<String> {
+    let found = || -> Option<Vec<Column>> {
+        let bytes = base64(metadata)?;
+        // Behind a mark, which older versions do not have, and the length.
+        let message = match bytes.strip_prefix(&[0xff; 4]) {
+            Some(rest) => rest.get(4..)?,
+            None => bytes.get(4..)?,
+        };
+        let message = Table::root(message).ok()?;
+        let version = message.i16(0).ok()?;
+        let schema = message.table(2).ok()??;
+        schema::columns(schema, version < VERSION5).ok()
+    };
+    let is_one = |column: &Column| column.field.kind == Kind::Other(DURATIONS.into());
+    let columns = found().unwrap_or_default().into_iter().filter(is_one);
+    columns.map(|column| column.field.name).collect()
+}
+
+/// Returns the bytes of a text in base64 (RFC 4648, section 4); `None` for another text.
+fn base64(text: &str) -> Option<Vec<u8>> {
+    let (mut bytes, mut bits, mut count) = (Vec::new(), 0_u32, 0);
+    for digit in text.trim_end_matches('=').bytes() {
+        let value = match digit {
+            b'A'..=b'Z' => digit - b'A',
+            b'a'..=b'z' => digit - b'a' + 26,
+            b'0'..=b'9' => digit - b'0' + 52,
+            b'+' => 62,
+            b'/' => 63,
+            _ => return None,
+        };
+        bits = bits << 6 | u32::from(value);
+        count += 6;
+        if count >= 8 {
+            count -= 8;
+            bytes.push((bits >> count) as u8);
+        }
+    }
+    Some(bytes)
 }
 
 impl ArrowStore {
@@ -170,6 +214,11 @@ impl ArrowStore {
 impl Store for ArrowStore {
     fn contents(&self) -> &Contents {
         &self.contents
+    }
+
+    fn may_round(&self, field: usize) -> bool {
+        let entry = self.columns[field].entry.as_ref();
+        matches!(entry, Some(Entry::Signed(8) | Entry::Unsigned(8) | Entry::Decimal(8 | 16, 0)))
     }
 
     fn column(

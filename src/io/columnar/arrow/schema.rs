@@ -5,6 +5,9 @@ use crate::io::columnar::fault::Fault;
 use crate::io::columnar::pandas;
 use crate::io::columnar::store::{Field, Kind};
 
+/// What the entries of a column are that are no numbers: their unit is not that of others.
+pub const DURATIONS: &str = "durations";
+
 /// Columns within columns at most.
 const DEEPEST: usize = 64;
 
@@ -182,7 +185,8 @@ fn entry(field: Table<'_>) -> Result<Result<Entry, &'static str>, Fault> {
             _ => Err("decimals of more than 38 digits"),
         },
         8 => Err("dates"),
-        9 | 10 | 11 | 18 => Err("times"),
+        9..=11 => Err("times"),
+        18 => Err(DURATIONS),
         12 | 16 | 17 | 21 | 25 | 26 => Err("lists"),
         13 | 14 => Err("nested values"),
         20 => Ok(Entry::Text(8)),

@@ -8,7 +8,7 @@ use super::schema::Entry;
 use crate::io::columnar::codec::too_large;
 use crate::io::columnar::decimal::decimal;
 use crate::io::columnar::fault::Fault;
-use crate::io::columnar::store::{Cells, ColumnReader};
+use crate::io::columnar::store::{Cells, ColumnReader, Integer};
 use crate::io::columnar::words::{self, Words};
 use crate::io::npy::half;
 
@@ -80,14 +80,37 @@ impl Values {
         cells: &mut Cells,
         number: impl Fn([u8; N]) -> f64,
     ) -> Result<(), Fault> {
+        self.entries_of(rows, cells, |entry, cells| cells.values.push(number(entry)))
+    }
+
+    /// Adds the next rows, whose entries are integers of N bytes.
+    fn integers<const N: usize, I: Integer>(
+        &mut self,
+        rows: usize,
+        cells: &mut Cells,
+        integer: impl Fn([u8; N]) -> I,
+    ) -> Result<(), Fault> {
+        self.entries_of(rows, cells, |entry, cells| cells.push_integer(integer(entry)))
+    }
+
+    /// Adds the next rows, whose entries have N bytes, by `push`.
+    fn entries_of<const N: usize>(
+        &mut self,
+        rows: usize,
+        cells: &mut Cells,
+        push: impl Fn([u8; N], &mut Cells),
+    ) -> Result<(), Fault> {
         let present = self.present(rows)?;
         let bytes = self.entries(0, self.next * N, rows * N)?.as_chunks::<N>().0;
         match present {
-            None => cells.values.extend(bytes.iter().map(|&entry| number(entry))),
+            None => {
+                cells.values.reserve(rows);
+                bytes.iter().for_each(|&entry| push(entry, cells));
+            }
             Some((bits, before)) => {
                 for (i, &entry) in bytes.iter().enumerate() {
                     match bit(&bits, before + i) {
-                        true => cells.values.push(number(entry)),
+                        true => push(entry, cells),
                         false => cells.miss(),
                     }
                 }
@@ -200,17 +223,19 @@ impl Values {
             Entry::Signed(1) => self.numbers(rows, cells, |b| i8::from_le_bytes(b).into()),
             Entry::Signed(2) => self.numbers(rows, cells, |b| i16::from_le_bytes(b).into()),
             Entry::Signed(4) => self.numbers(rows, cells, |b| i32::from_le_bytes(b).into()),
-            Entry::Signed(_) => self.numbers(rows, cells, |b| i64::from_le_bytes(b) as f64),
+            Entry::Signed(_) => self.integers(rows, cells, i64::from_le_bytes),
             Entry::Unsigned(1) => self.numbers(rows, cells, |b| u8::from_le_bytes(b).into()),
             Entry::Unsigned(2) => self.numbers(rows, cells, |b| u16::from_le_bytes(b).into()),
             Entry::Unsigned(4) => self.numbers(rows, cells, |b| u32::from_le_bytes(b).into()),
-            Entry::Unsigned(_) => self.numbers(rows, cells, |b| u64::from_le_bytes(b) as f64),
+            Entry::Unsigned(_) => self.integers(rows, cells, u64::from_le_bytes),
             Entry::Float(2) => self.numbers(rows, cells, |b| half(u16::from_le_bytes(b))),
             Entry::Float(4) => self.numbers(rows, cells, |b| f32::from_le_bytes(b).into()),
             Entry::Float(_) => self.numbers(rows, cells, f64::from_le_bytes),
             Entry::Decimal(4, scale) => {
                 self.numbers(rows, cells, |b| decimal(i32::from_le_bytes(b).into(), scale))
             }
+            Entry::Decimal(8, 0) => self.integers(rows, cells, i64::from_le_bytes),
+            Entry::Decimal(16, 0) => self.integers(rows, cells, i128::from_le_bytes),
             Entry::Decimal(8, scale) => {
                 self.numbers(rows, cells, |b| decimal(i64::from_le_bytes(b).into(), scale))
             }

@@ -10,17 +10,21 @@ use std::sync::Arc;
 
 use parquet::basic::{ConvertedType, LogicalType, Repetition, Type as Physical};
 use parquet::file::metadata::{ColumnChunkMetaData, ParquetMetaData, ParquetMetaDataReader};
+use parquet::file::statistics::Statistics;
 use parquet::schema::types::ColumnDescriptor;
 
 use self::guard::guarded;
 use self::numbers::Entry;
 use self::pages::Pages;
 use super::fault::Fault;
-use super::pandas;
 use super::store::{ColumnReader, Contents, Field, Kind, Store};
 use super::words::Words;
+use super::{arrow, pandas};
 use crate::base::Error;
 use crate::io::source::{error, error_at};
+
+/// The key of the metadata in which libraries of Arrow keep the types of columns.
+const ARROW_SCHEMA: &str = "ARROW:schema";
 
 /// An open Parquet file.
 pub struct ParquetStore {
@@ -66,6 +70,19 @@ impl ParquetStore {
         }
         let mut groups = Vec::with_capacity(metadata.num_row_groups());
         let mut all = 0_usize;
+        let pairs = metadata.file_metadata().key_value_metadata();
+        let value = |key: &str| {
+            let pair = pairs.into_iter().flatten().find(|pair| pair.key == key);
+            pair.and_then(|pair| pair.value.as_deref())
+        };
+        // Parquet has no type for durations, which are integers there.
+        let of_arrow = value(ARROW_SCHEMA).map_or_else(Vec::new, arrow::durations);
+        for (field, leaf) in fields.iter_mut().zip(&mut leaves) {
+            if leaf.is_some() && of_arrow.contains(&field.name) {
+                (field.kind, *leaf) = (Kind::Other(arrow::DURATIONS.into()), None);
+            }
+        }
+        let index = value(pandas::KEY).map(pandas::index_columns).unwrap_or_default();
         for (number, group) in metadata.row_groups().iter().enumerate() {
             let rows = usize::try_from(group.num_rows()).ok();
             let sum = rows.and_then(|rows| all.checked_add(rows));
@@ -81,10 +98,6 @@ impl ParquetStore {
                 })?;
             }
         }
-        let pairs = metadata.file_metadata().key_value_metadata();
-        let index = pairs.into_iter().flatten().find(|pair| pair.key == pandas::KEY);
-        let index = index.and_then(|pair| pair.value.as_deref()).map(pandas::index_columns);
-        let index = index.unwrap_or_default();
         let contents = Contents { fields, index, groups, group_name: "row group" };
         Ok(Self { path: path.into(), metadata, contents, leaves, limit })
     }
@@ -93,6 +106,25 @@ impl ParquetStore {
 impl Store for ParquetStore {
     fn contents(&self) -> &Contents {
         &self.contents
+    }
+
+    fn may_round(&self, field: usize) -> bool {
+        const EXACT: i64 = 1 << f64::MANTISSA_DIGITS;
+        let Some((leaf, entry)) = self.leaves[field] else { return false };
+        // An unsigned integer beyond those with a sign is negative here.
+        let is_exact = |least: i64, most: i64| {
+            let least_exact = if entry == Entry::U64 { 0 } else { -EXACT };
+            least >= least_exact && most <= EXACT
+        };
+        let is_known = |column: &ColumnChunkMetaData| match column.statistics() {
+            Some(Statistics::Int64(found)) => match (found.min_opt(), found.max_opt()) {
+                (Some(&least), Some(&most)) => is_exact(least, most),
+                _ => false,
+            },
+            _ => false,
+        };
+        let is_long = matches!(entry, Entry::I64 | Entry::U64 | Entry::Decimal(0));
+        is_long && !self.metadata.row_groups().iter().all(|group| is_known(group.column(leaf)))
     }
 
     fn column(

@@ -15,7 +15,7 @@ use super::guard::guarded;
 use super::pages::Pages;
 use crate::io::columnar::decimal::{big_endian, decimal};
 use crate::io::columnar::fault::Fault;
-use crate::io::columnar::store::{Cells, ColumnReader};
+use crate::io::columnar::store::{Cells, ColumnReader, Integer};
 use crate::io::columnar::words;
 use crate::io::npy::half;
 
@@ -45,8 +45,8 @@ pub fn open(
         (Entry::Bool, _) => open_as::<BoolType>(column, pages, |&v| f64::from(u8::from(v))),
         (Entry::I32, _) => open_as::<Int32Type>(column, pages, |&v| f64::from(v)),
         (Entry::U32, _) => open_as::<Int32Type>(column, pages, |&v| f64::from(v.cast_unsigned())),
-        (Entry::I64, _) => open_as::<Int64Type>(column, pages, |&v| v as f64),
-        (Entry::U64, _) => open_as::<Int64Type>(column, pages, |&v| v.cast_unsigned() as f64),
+        (Entry::I64, _) => open_whole::<Int64Type, _>(column, pages, |&v| Some(v)),
+        (Entry::U64, _) => open_whole::<Int64Type, _>(column, pages, |&v| Some(v.cast_unsigned())),
         (Entry::F32, _) => open_as::<FloatType>(column, pages, |&v| f64::from(v)),
         (Entry::F64, _) => open_as::<DoubleType>(column, pages, |&v| v),
         (Entry::F16, Physical::FIXED_LEN_BYTE_ARRAY) => {
@@ -57,6 +57,15 @@ pub fn open(
         }
         (Entry::Decimal(scale), Physical::INT32) => {
             open_as::<Int32Type>(column, pages, move |&v| decimal(v.into(), scale))
+        }
+        (Entry::Decimal(0), Physical::INT64) => {
+            open_whole::<Int64Type, _>(column, pages, |&v| Some(v))
+        }
+        (Entry::Decimal(0), Physical::FIXED_LEN_BYTE_ARRAY) => {
+            open_whole::<FixedLenByteArrayType, _>(column, pages, |v| big_endian(v.data()))
+        }
+        (Entry::Decimal(0), Physical::BYTE_ARRAY) => {
+            open_whole::<ByteArrayType, _>(column, pages, |v| big_endian(v.data()))
         }
         (Entry::Decimal(scale), Physical::INT64) => {
             open_as::<Int64Type>(column, pages, move |&v| decimal(v.into(), scale))
@@ -94,7 +103,8 @@ fn numbers_of(column: &ColumnDescriptor) -> Result<ColumnDescPtr, Fault> {
 /// A column with entries of type T.
 struct Numbers<T: DataType, F> {
     reader: ColumnReaderImpl<T>,
-    number: F,
+    /// Adds the number of an entry.
+    push: F,
     /// The level of an entry that is there.
     present: i16,
     entries: Vec<T::T>,
@@ -107,15 +117,37 @@ fn open_as<T: DataType>(
     pages: Pages,
     number: impl Fn(&T::T) -> f64 + Send + 'static,
 ) -> Box<dyn ColumnReader> {
-    let present = column.max_def_level();
-    let reader = ColumnReaderImpl::<T>::new(column, Box::new(pages));
-    Box::new(Numbers { reader, number, present, entries: Vec::new(), levels: Vec::new() })
+    open_with::<T>(column, pages, move |entry, cells| cells.values.push(number(entry)))
 }
 
-impl<T: DataType, F: Fn(&T::T) -> f64 + Send> ColumnReader for Numbers<T, F> {
+/// Opens a column with entries of type T, of which `integer` returns the integers, or `None` for
+/// one that is too large.
+fn open_whole<T: DataType, I: Integer + 'static>(
+    column: ColumnDescPtr,
+    pages: Pages,
+    integer: impl Fn(&T::T) -> Option<I> + Send + 'static,
+) -> Box<dyn ColumnReader> {
+    open_with::<T>(column, pages, move |entry, cells| match integer(entry) {
+        Some(integer) => cells.push_integer(integer),
+        None => cells.miss(),
+    })
+}
+
+fn open_with<T: DataType>(
+    column: ColumnDescPtr,
+    pages: Pages,
+    push: impl Fn(&T::T, &mut Cells) + Send + 'static,
+) -> Box<dyn ColumnReader> {
+    let present = column.max_def_level();
+    let reader = ColumnReaderImpl::<T>::new(column, Box::new(pages));
+    Box::new(Numbers { reader, push, present, entries: Vec::new(), levels: Vec::new() })
+}
+
+impl<T: DataType, F: Fn(&T::T, &mut Cells) + Send> ColumnReader for Numbers<T, F> {
     fn read(&mut self, rows: usize, cells: &mut Cells) -> Result<(), Fault> {
-        let Self { reader, number, present, entries, levels } = self;
-        let (number, present) = (&*number, *present);
+        let Self { reader, push, present, entries, levels } = self;
+        let (push, present) = (&*push, *present);
+        cells.values.reserve(rows);
         entries.clear();
         levels.clear();
         let (found, count, _) = guarded(|| {
@@ -129,13 +161,13 @@ impl<T: DataType, F: Fn(&T::T) -> f64 + Send> ColumnReader for Numbers<T, F> {
             return Err(format!("it ends {} rows too early", rows.saturating_sub(found)));
         }
         if count == rows {
-            cells.values.extend(entries.iter().map(number));
+            entries.iter().for_each(|entry| push(entry, cells));
             return Ok(());
         }
         let mut entries = entries.iter();
         for &level in levels.iter() {
             match if level == present { entries.next() } else { None } {
-                Some(entry) => cells.values.push(number(entry)),
+                Some(entry) => push(entry, cells),
                 None => cells.miss(),
             }
         }

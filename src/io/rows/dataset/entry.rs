@@ -16,8 +16,17 @@ pub(super) struct Entry {
     pub is_single: bool,
     /// The bits of a signed integer.
     pub signed_bits: Option<u32>,
+    /// Integers of 8 bytes, some of which are no f64.
+    pub long: Option<Long>,
     /// What a user may not expect.
     pub note: Option<String>,
+}
+
+/// A type of integers of 8 bytes.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Long {
+    Signed,
+    Unsigned,
 }
 
 impl Entry {
@@ -31,12 +40,23 @@ impl Entry {
             Ok(known) => known,
             Err(e) => return unusual(&kind, &e),
         };
-        let mut entry =
-            Self { text: known.to_string(), is_single: false, signed_bits: None, note: None };
+        let mut entry = Self {
+            text: known.to_string(),
+            is_single: false,
+            signed_bits: None,
+            long: None,
+            note: None,
+        };
         match known {
             TypeDescriptor::Float(size) => entry.is_single = size == FloatSize::U4,
-            TypeDescriptor::Integer(size) => entry.signed_bits = Some(bits(size)),
-            TypeDescriptor::Unsigned(_) | TypeDescriptor::Boolean => {}
+            TypeDescriptor::Integer(size) => {
+                entry.signed_bits = Some(bits(size));
+                entry.long = (size == IntSize::U8).then_some(Long::Signed);
+            }
+            TypeDescriptor::Unsigned(size) => {
+                entry.long = (size == IntSize::U8).then_some(Long::Unsigned);
+            }
+            TypeDescriptor::Boolean => {}
             TypeDescriptor::Enum(names) => {
                 let count = names.members.len();
                 let mut first: Vec<_> = names.members.iter().collect();
@@ -70,6 +90,7 @@ fn unusual(kind: &Datatype, e: &::hdf5::Error) -> Result<Entry, String> {
         text: format!("float of {bytes} bytes"),
         is_single: false,
         signed_bits: None,
+        long: None,
         note: (bytes > size_of::<f64>()).then_some(note),
     })
 }

@@ -124,9 +124,8 @@ impl Reader<'_, '_, '_> {
         let corners = match mode {
             code::TRIANGLES => {
                 let (triangles, rest) = corners.as_chunks::<3>();
-                if !rest.is_empty() {
-                    return Err(format!("{} corners are no triangles", corners.len()).into());
-                }
+                let what = "left out corners behind the last triangle of a primitive";
+                self.assembly.draft.notes.add_many(what, rest.len(), place);
                 triangles.to_vec()
             }
             code::TRIANGLE_STRIP => {
