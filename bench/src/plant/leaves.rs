@@ -34,7 +34,7 @@ pub fn leaves() -> Result<Option<Vec<Part>>> {
     }
     let [drying, air, curves] = [0, 1, 2].map(|i| LeafTable { path: &paths[i], text: &texts[i] });
     let groups = read_leaves(drying, air, Some(curves))?;
-    let (mut rows, mut sums, mut series) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut rows, mut sums, mut plots) = (Vec::new(), Vec::new(), Vec::new());
     for group in &groups {
         let options = LeafOptions::new().prior(group.prior());
         let is_unseen =
@@ -45,6 +45,7 @@ pub fn leaves() -> Result<Option<Vec<Part>>> {
         // The largest deviations: of fitted leaves; of unseen ones with constants of their own from
         // all weights, from the first, and from none.
         let mut largest = [0.0_f64; 4];
+        let mut series = Vec::new();
         let mut fitted = fit.leaves.iter();
         for (leaf, seconds) in group.leaves.iter().zip(&group.seconds) {
             let (found, early) = match (is_unseen(leaf), fitted.as_slice().first()) {
@@ -94,7 +95,7 @@ pub fn leaves() -> Result<Option<Vec<Part>>> {
             ));
             let grams = |weights: &[f64]| -> Vec<(f64, f64)> {
                 let hours = seconds.iter().map(|s| s / 3600.0);
-                hours.zip(weights.iter().map(|w| 1e3 * w)).collect()
+                hours.zip(weights.iter().map(|w| 1e3 * (leaf.weights[0] - w))).collect()
             };
             series.push((format!("{}, weighed", leaf.name), grams(&leaf.weights)));
             series.push((format!("{}, {part}", leaf.name), grams(&found.weights)));
@@ -108,6 +109,16 @@ pub fn leaves() -> Result<Option<Vec<Part>>> {
         values.extend(within);
         values.extend([errors, lost, scatter]);
         sums.push((format!("treatment {}", group.name), values));
+        plots.push(Plot {
+            title: format!(
+                "Figure 4.6 by real leaves, treatment {}: water lost in g, and the model",
+                group.name
+            ),
+            across: "h".into(),
+            logarithmic: false,
+            scattered: false,
+            series,
+        });
     }
     let columns = [
         "cuticle, mmol / (m^2 s)",
@@ -134,13 +145,7 @@ pub fn leaves() -> Result<Option<Vec<Part>>> {
             .into(),
         columns: columns.map(String::from).into(),
         rows,
-        plots: vec![Plot {
-            title: "Figure 4.6 by real leaves: weights in g, and the model".into(),
-            across: "h".into(),
-            logarithmic: false,
-            scattered: false,
-            series,
-        }],
+        plots,
     };
     let columns = [
         "fitted: largest rms, g",
