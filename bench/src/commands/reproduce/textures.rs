@@ -73,7 +73,7 @@ pub fn run(report: &mut Report, share: Share, arguments: &Arguments) -> Result<(
             {
                 use catamaran_bench::textures::{ten_meshes, times};
                 keep(report, times(arguments.rounds, arguments.largest_texture)?);
-                keep(report, ten_meshes(1, arguments.largest_texture)?);
+                keep(report, ten_meshes(arguments.rounds, arguments.largest_texture)?);
             }
             newton_times(SIZE, arguments.repeat)?.into_iter().for_each(|part| keep(report, part));
         }
