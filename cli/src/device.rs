@@ -9,6 +9,8 @@ use crate::info::WIDTH;
 use crate::info::first;
 use crate::report::row;
 #[cfg(feature = "opencl")]
+use crate::report::{seconds, status};
+#[cfg(feature = "opencl")]
 use crate::signals;
 
 /// The device that does the work.
@@ -42,7 +44,7 @@ impl DeviceArgs {
 
 #[cfg(feature = "opencl")]
 fn opened(name: &str) -> Result<Device> {
-    signals::kept(|| Device::open(name)).map_err(crate::common::as_option)
+    signals::kept(|| Device::open_timed(name)).map_err(crate::common::as_option)
 }
 
 #[cfg(not(feature = "opencl"))]
@@ -60,6 +62,32 @@ pub fn name(device: &Device) -> &str {
 #[cfg(not(feature = "opencl"))]
 pub fn name(device: &Device) -> &str {
     match *device {}
+}
+
+/// Reports how long kernels and transfers of the device took, by its own clock.
+#[cfg(feature = "opencl")]
+pub fn report_times(device: Option<&Device>) -> Result<()> {
+    let Some(device) = device else { return Ok(()) };
+    let Some(times) = device.times()? else { return Ok(()) };
+    let name = name(device);
+    status!(
+        "device",
+        name = name,
+        kernel_seconds = times.kernels.as_secs_f64(),
+        transfer_seconds = times.transfers.as_secs_f64();
+        "{name}: kernels {}, transfers {}",
+        seconds(times.kernels),
+        seconds(times.transfers)
+    )
+}
+
+/// Reports nothing: there is no device.
+#[cfg(not(feature = "opencl"))]
+pub fn report_times(device: Option<&Device>) -> Result<()> {
+    match device {
+        Some(device) => match *device {},
+        None => Ok(()),
+    }
 }
 
 /// Reports each device, or why there is none, for `catamaran info`.

@@ -1,6 +1,5 @@
 //! Slime moulds and Newton's fractals.
 
-use catamaran::base::Progress;
 use catamaran::faer::Mat;
 use catamaran_simulation::opencl::{Device, SlimeOnDevice, evaluate_newton};
 use catamaran_simulation::texture::newton::{
@@ -122,18 +121,18 @@ pub fn slime<'py>(
         let mut on_device =
             device.map(|device| SlimeOnDevice::new(&device, &simulation)).transpose()?;
         let mut coverage: Vec<Vec<Coverage>> = Vec::new();
-        for step in 0..steps {
-            coverage.push(match &mut on_device {
-                Some(on_device) => {
-                    on_device.run(1, Progress::none())?;
-                    on_device.coverage()?
-                }
+        let mut done = 0;
+        while done < steps {
+            let covered = match &mut on_device {
+                Some(on_device) => on_device.advance(steps - done)?,
                 None => {
                     simulation.step(par);
-                    simulation.coverage(par)
+                    vec![simulation.coverage(par)]
                 }
-            });
-            progress.report(f64::from(step + 1) / f64::from(steps))?;
+            };
+            done += covered.len() as u32;
+            coverage.extend(covered);
+            progress.report(f64::from(done) / f64::from(steps))?;
         }
         if let Some(on_device) = on_device {
             on_device.give_back(&mut simulation)?;

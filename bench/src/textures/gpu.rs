@@ -37,6 +37,7 @@ pub fn gpu() -> Result<Vec<Part>> {
         slime_agreement(&device)?,
         newton_agreement(&device)?,
         slime_times(&device)?,
+        delivery(&device)?,
         newton_times(&device)?,
     ])
 }
@@ -167,9 +168,9 @@ fn fits(case: &Case, device: &Device) -> bool {
             && matches!(case.substeps, 0 | 10)
             && case.table == "table 3.3";
     }
-    // Device memory (docs/algorithms/slime.md): 13.2 bytes for each texel, 48 for each agent; a
+    // Device memory (docs/algorithms/slime.md): 14.2 bytes for each texel, 48 for each agent; a
     // quarter is left to the driver.
-    let needed = 14 * (case.size * case.size) as u64 + 48_000_000 * case.millions as u64;
+    let needed = 15 * (case.size * case.size) as u64 + 48_000_000 * case.millions as u64;
     needed < device.info().memory / 4 * 3
 }
 
@@ -185,7 +186,7 @@ fn slime_times(device: &Device) -> Result<Part> {
                 case.name(),
                 case.size
             );
-            rows.push((name, vec![mean, f64::NAN, f64::NAN, f64::NAN, f64::NAN, f64::NAN]));
+            rows.push((name, [&[mean][..], &[f64::NAN; 6]].concat()));
             continue;
         }
         let twin = Simulation::new(torus(96, 48)?, &case.options(), &Mask::default())?;
@@ -194,6 +195,7 @@ fn slime_times(device: &Device) -> Result<Part> {
         // These frames compile the kernels and touch memory, and agents find each other.
         kernels.run(FRAMES, Progress::none())?;
         let (mut times, begin) = (Vec::new(), Instant::now());
+        device.times()?;
         while times.is_empty()
             || (times.len() * (FRAMES as usize) < THESIS_FRAMES
                 && begin.elapsed().as_secs_f64() < SECONDS)
@@ -206,7 +208,8 @@ fn slime_times(device: &Device) -> Result<Part> {
         let most = times.iter().copied().fold(0.0, f64::max);
         let least = times.iter().copied().fold(f64::INFINITY, f64::min);
         let frames = f64::from(FRAMES) * times.len() as f64;
-        rows.push((case.name(), vec![mean, ours, most, least, mean / ours, frames]));
+        let kernels = 1e3 * device.times()?.unwrap_or_default().kernels.as_secs_f64() / frames;
+        rows.push((case.name(), vec![mean, ours, kernels, most, least, mean / ours, frames]));
     }
     Ok(Part {
         figure: "tables 3.2 to 3.4",
@@ -217,6 +220,7 @@ fn slime_times(device: &Device) -> Result<Part> {
         columns: [
             "thesis (RTX 2080 Ti): mean, ms",
             "this device: mean, ms",
+            "of that kernels, ms",
             "slowest round",
             "fastest round",
             "times as fast as the thesis",
@@ -224,6 +228,55 @@ fn slime_times(device: &Device) -> Result<Part> {
         ]
         .map(String::from)
         .into(),
+        rows,
+        plots: vec![],
+    })
+}
+
+/// Measures how many frames a second arrive on the host, a step and a picture of 8 bits each, for
+/// textures of several sizes, and the times of kernels and of transfers.
+fn delivery(device: &Device) -> Result<Part> {
+    /// Seconds of a case, and most frames of it.
+    const SECONDS: f64 = 4.0;
+    const MOST: usize = 240;
+    let largest = if device.info().kind == DeviceKind::Gpu { 8192 } else { 2048 };
+    let mut rows = Vec::new();
+    for (size, agents) in [(512, 60_000), (1024, 250_000), (2048, 1_000_000), (8192, 1_000_000)] {
+        if size > largest {
+            continue;
+        }
+        let options = Options::new().agents(agents).size(size);
+        let twin = Simulation::new(torus(96, 48)?, &options, &Mask::default())?;
+        let mut kernels = SlimeOnDevice::new(device, &twin)?;
+        let mut picture = vec![0; size * size];
+        let mut frames = |least: usize, most: usize| -> Result<(f64, f64)> {
+            let (begin, mut count) = (Instant::now(), 0);
+            while count < least || (count < most && begin.elapsed().as_secs_f64() < SECONDS) {
+                kernels.run(1, Progress::none())?;
+                kernels.frame(0, &mut picture)?;
+                count += 1;
+            }
+            Ok((begin.elapsed().as_secs_f64(), count as f64))
+        };
+        // These frames compile the kernels, and agents find each other.
+        frames(FRAMES as usize, FRAMES as usize)?;
+        device.times()?;
+        let (seconds, count) = frames(FRAMES as usize, MOST)?;
+        let times = device.times()?.unwrap_or_default();
+        let of = |time: std::time::Duration| 1e3 * time.as_secs_f64() / count;
+        let row = vec![count / seconds, of(times.kernels), of(times.transfers), count];
+        rows.push((format!("{agents} agents, {size} x {size}"), row));
+    }
+    Ok(Part {
+        figure: "delivered frames",
+        title: format!(
+            "a step and its picture of 8 bits on the host, one after the other; {}, torus of 9,216 \
+             triangles",
+            device.info().name
+        ),
+        columns: ["frames a second", "kernels, ms a frame", "transfers, ms a frame", "frames"]
+            .map(String::from)
+            .into(),
         rows,
         plots: vec![],
     })
@@ -248,16 +301,29 @@ fn newton_times(device: &Device) -> Result<Part> {
         };
         let ours =
             time(&|| Ok(newton.evaluate(points, Par::all(), Progress::none()).map(drop)?))?;
+        device.times()?;
         let theirs =
             time(&|| Ok(evaluate_newton(device, &newton, points, Progress::none()).map(drop)?))?;
-        rows.push((name.to_owned(), vec![ours, theirs, ours / theirs]));
+        let times = device.times()?.unwrap_or_default();
+        // A run without a time, and three with one.
+        let of = |time: std::time::Duration| 1e9 * time.as_secs_f64() / (4.0 * count);
+        let (kernels, transfers) = (of(times.kernels), of(times.transfers));
+        rows.push((name.to_owned(), vec![ours, theirs, kernels, transfers, ours / theirs]));
     }
     Ok(Part {
         figure: "Newton: times",
         title: format!(
             "nanoseconds a point, {POINTS} x {POINTS} points, 32 iterations, median of 3"
         ),
-        columns: ["processor", "device", "times as fast"].map(String::from).into(),
+        columns: [
+            "processor",
+            "device",
+            "of that kernels",
+            "of that transfers",
+            "times as fast as the processor",
+        ]
+        .map(String::from)
+        .into(),
         rows,
         plots: vec![],
     })

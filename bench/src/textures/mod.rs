@@ -19,6 +19,6 @@ pub use figures::{evaporation, maze, rescaling, substeps};
 pub use gpu::gpu;
 pub use long::{long_walks, many_points};
 pub use newton::{PICTURES, newton_figures, newton_times};
-pub use parameters::{grid, table};
+pub use parameters::{disagreements, grid, table};
 #[cfg(feature = "opencl")]
 pub use times::{ten_meshes, times};

@@ -52,18 +52,20 @@ fn of_table(turns: f64) -> Options {
         .turn_speed(180.0 * turns)
 }
 
-/// Returns the mean of a measure over seeds.
-fn mean(options: &Options, measure: impl Fn(&Options) -> Result<f64>) -> Result<f64> {
-    let mut sum = 0.0;
-    for seed in SEEDS {
-        sum += measure(&options.seed(seed))?;
+/// A measure by each of the seeds.
+type BySeed = [f64; SEEDS.len()];
+
+fn by_seed(options: &Options, measure: impl Fn(&Options) -> Result<f64>) -> Result<BySeed> {
+    let mut values = [0.0; SEEDS.len()];
+    for (value, seed) in values.iter_mut().zip(SEEDS) {
+        *value = measure(&options.seed(seed))?;
     }
-    Ok(sum / SEEDS.len() as f64)
+    Ok(values)
 }
 
-/// Returns the mean of a measure of settled patterns.
-fn settled(options: &Options, measure: impl Fn(&Pattern) -> f64) -> Result<f64> {
-    mean(options, |options| {
+/// Returns a measure of settled patterns.
+fn settled(options: &Options, measure: impl Fn(&Pattern) -> f64) -> Result<BySeed> {
+    by_seed(options, |options| {
         let all = grown(options, (SETTLED / FRAME) as u32)?;
         Ok(measure(&Pattern::of(all.texture(0), TABLE_SIZE, THRESHOLD)?))
     })
@@ -88,11 +90,13 @@ fn stability(options: &Options) -> Result<f64> {
 /// The errors of the simulation.
 pub fn table() -> Result<Part> {
     let mut rows = Vec::new();
-    let mut row = |name: String, values: [f64; 2], up: bool| {
-        let agrees = (values[1] > values[0]) == up;
+    let mut row = |name: String, values: [BySeed; 2], up: bool| {
+        let [low, high] = values.map(|all| all.iter().sum::<f64>() / SEEDS.len() as f64);
+        let agrees = |low: f64, high: f64| (high > low) == up;
+        let seeds = values[0].iter().zip(&values[1]).filter(|(low, high)| agrees(**low, **high));
         let sign = if up { 1.0 } else { -1.0 };
-        let ratio = values[1] / values[0];
-        rows.push((name, vec![values[0], values[1], ratio, sign, f64::from(agrees)]));
+        let (agrees, seeds) = (f64::from(agrees(low, high)), seeds.count() as f64);
+        rows.push((name, vec![low, high, high / low, sign, agrees, seeds]));
     };
     for turns in TURNS {
         let (base, at) = (of_table(turns), format!("turn speed {turns}"));
@@ -112,7 +116,7 @@ pub fn table() -> Result<Part> {
             false,
         );
     }
-    let stable = TURNS.map(|turns| mean(&of_table(turns), stability));
+    let stable = TURNS.map(|turns| by_seed(&of_table(turns), stability));
     let [a, b, c, d, e] = stable;
     let stable = [a?, b?, c?, d?, e?];
     let ends = [(0, 1), (1, 2), (2, 3), (3, 4), (0, 4)];
@@ -124,19 +128,41 @@ pub fn table() -> Result<Part> {
     Ok(Part {
         figure: "table 3.1",
         title: format!(
-            "what each parameter does (docs/algorithms/slime.md defines the properties; means of {} seeds), for turn speeds (half-turns a second) over the range of the table: {TABLE_AGENTS} agents on a \
-             square of {TABLE_SIZE} x {TABLE_SIZE} texels, steps of {FRAME} s, after {SETTLED} s; changes in {WINDOW} s after {EARLY} s \
-             (agrees: 1 where the sign is that of the thesis)",
+            "what each parameter does (docs/algorithms/slime.md defines the properties; means of \
+             {} seeds), for turn speeds (half-turns a second) over the range of the table: \
+             {TABLE_AGENTS} agents on a square of {TABLE_SIZE} x {TABLE_SIZE} texels, steps of \
+             {FRAME} s, after {SETTLED} s; changes in {WINDOW} s after {EARLY} s (agrees: 1 where \
+             the sign of the means is that of the thesis)",
             SEEDS.len()
         ),
-        columns: ["low", "high", "ratio", "sign in the thesis", "agrees"].map(String::from).into(),
+        columns: ["low", "high", "ratio", "sign in the thesis", "agrees", "seeds that agree"]
+            .map(String::from)
+            .into(),
         rows,
         plots: vec![],
     })
 }
 
+/// Returns a list of the rows of table 3.1 whose sign is not that of the thesis.
+pub fn disagreements(table: &Part) -> String {
+    let named = table.rows.iter().filter_map(|(name, values)| match values[..] {
+        [low, high, _, _, agrees, seeds] if agrees < 1.0 => Some(format!(
+            "- {name}: {low:.4} to {high:.4}; with the sign of the thesis by {seeds} of {} seeds\n",
+            SEEDS.len()
+        )),
+        _ => None,
+    });
+    let named: Vec<String> = named.collect();
+    format!(
+        "Disagreements with the thesis: {} of {} rows.\n\n{}",
+        named.len(),
+        table.rows.len(),
+        named.concat()
+    )
+}
+
 /// Returns a measure at both ends of a range.
-fn both(ends: [f64; 2], measure: impl Fn(f64) -> Result<f64>) -> Result<[f64; 2]> {
+fn both(ends: [f64; 2], measure: impl Fn(f64) -> Result<BySeed>) -> Result<[BySeed; 2]> {
     Ok([measure(ends[0])?, measure(ends[1])?])
 }
 

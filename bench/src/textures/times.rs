@@ -37,7 +37,7 @@ fn summary(times: &[f64]) -> [f64; 3] {
 
 /// Returns the device that `CATAMARAN_OPENCL_DEVICE` names (as for tests), otherwise the first one.
 pub(super) fn chosen_device() -> Result<Device> {
-    Ok(Device::open(&std::env::var("CATAMARAN_OPENCL_DEVICE").unwrap_or_default())?)
+    Ok(Device::open_timed(&std::env::var("CATAMARAN_OPENCL_DEVICE").unwrap_or_default())?)
 }
 
 /// The result of one case: milliseconds of frames on the processor and on the device, as from

@@ -282,17 +282,18 @@ pub fn run(args: &Args) -> Result<()> {
     }
     outputs.finish()?;
     drop(bar);
-    let (device, iterations) = (device.as_ref().map_or("cpu", device::name), args.iterations);
+    let (name, iterations) = (device.as_ref().map_or("cpu", device::name), args.iterations);
     status!(
         "points",
         count = points,
         unreached = unreached,
-        device = device,
+        device = name,
         iterations = iterations,
         seconds = time.as_secs_f64();
-        "{points} on {device}, {iterations} iterations, {}",
+        "{points} on {name}, {iterations} iterations, {}",
         seconds(time)
     )?;
+    device::report_times(device.as_ref())?;
     if unreached > 0 {
         let percent = 100.0 * unreached as f64 / points as f64;
         note(format_args!(

@@ -3,7 +3,6 @@
 use anyhow::Result;
 use catamaran::io::Output;
 use catamaran_geometry::mesh::io::Picture;
-use catamaran_simulation::texture::slime::Simulation;
 
 /// Returns the names of the pictures of a frame: species in the channels of one picture, or one
 /// picture for each species when there are more than three.
@@ -14,21 +13,17 @@ pub fn names(stem: &str, species: usize) -> Vec<String> {
     }
 }
 
-/// Writes the textures to files of these [`names`].
-pub fn write(simulation: &Simulation, outputs: Vec<Output>) -> Result<()> {
-    let (species, size) = (simulation.species(), simulation.texels().size());
-    let byte = |s: usize, texel: usize| (255.0 * simulation.texture(s)[texel]).round() as u8;
-    let gray = |s: usize| {
-        let pixels: Vec<u8> = (0..size * size).map(|texel| byte(s, texel)).collect();
-        Picture::gray(size, &pixels)
-    };
-    if matches!(species, 2 | 3) {
-        let pixel = |texel: usize| [0, 1, 2].map(|s| if s < species { byte(s, texel) } else { 0 });
+/// Writes the textures of species, as bytes of `size` texels a row, to files of these [`names`].
+pub fn write(frame: &[Vec<u8>], size: usize, outputs: Vec<Output>) -> Result<()> {
+    if matches!(frame.len(), 2 | 3) {
+        let byte = |s: usize, texel: usize| frame.get(s).map_or(0, |species| species[texel]);
+        let pixel = |texel: usize| [0, 1, 2].map(|s| byte(s, texel));
         let pixels: Vec<[u8; 3]> = (0..size * size).map(pixel).collect();
         let picture = Picture::rgb(size, &pixels)?;
         return outputs.into_iter().try_for_each(|output| save(output, picture.clone()));
     }
-    outputs.into_iter().enumerate().try_for_each(|(s, output)| save(output, gray(s)?))
+    let mut pairs = outputs.into_iter().zip(frame);
+    pairs.try_for_each(|(output, species)| save(output, Picture::gray(size, species)?))
 }
 
 /// Writes a texture, whose rows are from v = 0, and completes the file.

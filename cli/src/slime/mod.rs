@@ -26,7 +26,7 @@ use catamaran_simulation::texture::{Look, MaterialMaps, Preset};
 
 use crate::common::{Force, Threads, as_option};
 use crate::defaults::stated;
-use crate::device::DeviceArgs;
+use crate::device::{self, DeviceArgs};
 use crate::folder::{Folder, note_older};
 use crate::input::{self, MeshArgs};
 use crate::output;
@@ -225,6 +225,7 @@ pub fn run(args: &Args) -> Result<()> {
         args.draw(&file, simulation, maps.as_ref())?.write(output)?;
     }
     report_steps(time, done - first, &simulation.coverage(par))?;
+    device::report_times(device.as_ref())?;
     let folder = args.output.display().to_string();
     status!("written", path = folder, files = files; "{folder}: {files} files")
 }
@@ -262,13 +263,29 @@ struct Growth {
 }
 
 impl Growth {
-    /// Computes a step, and returns the coverage after it.
-    fn step(&mut self, par: Par) -> Result<Vec<Coverage>> {
+    /// Computes at least one and at most `most` steps, and returns the coverage after each.
+    fn advance(&mut self, most: u32, par: Par) -> Result<Vec<Vec<Coverage>>> {
         if let Some(kernels) = &mut self.on_device {
-            return kernels.step();
+            return kernels.advance(most);
         }
         self.simulation.step(par);
-        Ok(self.simulation.coverage(par))
+        Ok(vec![self.simulation.coverage(par)])
+    }
+
+    /// Returns the texture of each species as bytes.
+    fn frame(&mut self) -> Result<Vec<Vec<u8>>> {
+        let species = 0..self.simulation.species();
+        let Some(kernels) = &mut self.on_device else {
+            return Ok(species.map(|s| self.simulation.frame(s)).collect());
+        };
+        let texels = self.simulation.texels().size().pow(2);
+        species
+            .map(|s| {
+                let mut frame = vec![0; texels];
+                kernels.frame(s, &mut frame)?;
+                Ok(frame)
+            })
+            .collect()
     }
 
     /// Returns the simulation after the last step.
@@ -446,9 +463,11 @@ impl Args {
             self.write_frame(growth, done, options.species)?;
         }
         while done < self.steps && ended.is_ok() {
-            let covered = growth.step(par)?;
-            done += 1;
-            moments.push((time_at(done), covered));
+            let next = frames.iter().find(|&&step| step > done).map_or(self.steps, |&step| step);
+            for covered in growth.advance(next - done, par)? {
+                done += 1;
+                moments.push((time_at(done), covered));
+            }
             if frames.contains(&done) {
                 self.write_frame(growth, done, options.species)?;
             }
@@ -465,7 +484,8 @@ impl Args {
     fn write_frame(&self, growth: &mut Growth, step: u32, species: usize) -> Result<()> {
         let create = |name: String| self.force.create(&self.output.join(name));
         let files = frame_names(step, self.steps, species).into_iter().map(create);
-        images::write(growth.simulation()?, files.collect::<Result<_, _>>()?)
+        let size = growth.simulation.texels().size();
+        images::write(&growth.frame()?, size, files.collect::<Result<_, _>>()?)
     }
 
     /// Draws the picture of --render.

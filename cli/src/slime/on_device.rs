@@ -16,10 +16,14 @@ impl OnDevice {
         Ok(Self(catamaran_simulation::opencl::SlimeOnDevice::new(device, simulation)?))
     }
 
-    /// Computes a step, and returns the coverage after it.
-    pub fn step(&mut self) -> Result<Vec<Coverage>> {
-        self.0.run(1, catamaran::base::Progress::none())?;
-        Ok(self.0.coverage()?)
+    /// Computes at least one and at most `most` steps, and returns the coverage after each.
+    pub fn advance(&mut self, most: u32) -> Result<Vec<Vec<Coverage>>> {
+        Ok(self.0.advance(most)?)
+    }
+
+    /// Copies the texture of a species as bytes.
+    pub fn frame(&mut self, species: usize, frame: &mut [u8]) -> Result<()> {
+        Ok(self.0.frame(species, frame)?)
     }
 
     /// Copies the state of the device to the simulation.
@@ -40,7 +44,12 @@ impl OnDevice {
     }
 
     /// Never called.
-    pub fn step(&mut self) -> Result<Vec<Coverage>> {
+    pub fn advance(&mut self, _most: u32) -> Result<Vec<Vec<Coverage>>> {
+        match self.0 {}
+    }
+
+    /// Never called.
+    pub fn frame(&mut self, _species: usize, _frame: &mut [u8]) -> Result<()> {
         match self.0 {}
     }
 

@@ -221,7 +221,9 @@ impl Fitted<'_> {
         let (mut hours, mut lightest): (f64, f64) = (0.0, 1.0);
         for (i, (name, _)) in self.fits.iter().enumerate() {
             let of_group = self.courses.iter().filter(|course| course.group == *name);
-            for (k, Course { leaf, seconds, found, early, .. }) in of_group.enumerate() {
+            // The legend names the first line of each kind.
+            let mut named = [false; 2];
+            for Course { leaf, seconds, found, early, .. } in of_group {
                 let points = |weights: &[f64]| -> Vec<(f64, f64)> {
                     let part = |weight: &f64| weight / leaf.saturated;
                     seconds.iter().map(|s| s / 3600.0).zip(weights.iter().map(part)).collect()
@@ -230,13 +232,13 @@ impl Fitted<'_> {
                 for (hour, part) in &scale {
                     (hours, lightest) = (hours.max(*hour), lightest.min(*part));
                 }
-                let title = |what: &str| match k {
-                    0 => format!("{name} {what}"),
-                    _ => String::new(),
+                let kind = usize::from(early.is_some());
+                let title = match std::mem::replace(&mut named[kind], true) {
+                    false => format!("{name} {}", ["fitted", "unseen"][kind]),
+                    true => String::new(),
                 };
-                let line = if early.is_some() { Line::Dashed } else { Line::Solid };
-                let color = Series::color(i);
-                curves.push(Series { line, ..Series::curve(title("fitted"), color, model) });
+                let (line, color) = ([Line::Solid, Line::Dashed][kind], Series::color(i));
+                curves.push(Series { line, ..Series::curve(title, color, model) });
                 let dots = Series::curve("", color, scale);
                 curves.push(Series { line: Line::None, dots: true, ..dots });
             }

@@ -14,5 +14,5 @@ mod slime;
 
 pub use device::{DeviceInfo, DeviceKind, devices, find};
 pub use newton::{evaluate_newton, evaluate_newton_in_groups};
-pub use session::Device;
+pub use session::{Device, DeviceTimes};
 pub use slime::SlimeOnDevice;

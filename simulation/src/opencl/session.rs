@@ -3,14 +3,16 @@
 use std::collections::HashMap;
 use std::ptr;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
-use opencl3::command_queue::CommandQueue;
+use opencl3::command_queue::{CL_QUEUE_PROFILING_ENABLE, CommandQueue};
 use opencl3::context::Context;
 use opencl3::device::{CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT, Device as Handle};
 use opencl3::error_codes::{
     CL_INVALID_BUFFER_SIZE, CL_MEM_OBJECT_ALLOCATION_FAILURE, CL_OUT_OF_HOST_MEMORY,
     CL_OUT_OF_RESOURCES, ClError,
 };
+use opencl3::event::Event;
 use opencl3::kernel::{ExecuteKernel, Kernel};
 use opencl3::memory::{Buffer, CL_MEM_READ_WRITE};
 use opencl3::program::Program;
@@ -39,6 +41,53 @@ struct Opened {
     queue: CommandQueue,
     context: Context,
     programs: Mutex<HashMap<(&'static str, String), Arc<Program>>>,
+    work: Mutex<Work>,
+}
+
+/// What the device has done.
+#[derive(Default)]
+struct Work {
+    /// Whether kernels and transfers are timed.
+    timed: bool,
+    /// Kernels and transfers whose times are not summed yet.
+    events: Vec<(Kind, Event)>,
+    times: DeviceTimes,
+    /// How often the host has waited for the queue.
+    waits: u64,
+}
+
+#[derive(Clone, Copy)]
+enum Kind {
+    Kernel,
+    Transfer,
+}
+
+impl Work {
+    /// Sums the times of what has ended.
+    fn sum(&mut self) {
+        let times = &mut self.times;
+        self.events.retain(|(kind, event)| {
+            let (start, end) = (event.profiling_command_start(), event.profiling_command_end());
+            // Of work that another thread has enqueued since, there are no times yet.
+            let (Ok(start), Ok(end)) = (start, end) else { return true };
+            let sum = match kind {
+                Kind::Kernel => &mut times.kernels,
+                Kind::Transfer => &mut times.transfers,
+            };
+            *sum += Duration::from_nanos(end.saturating_sub(start));
+            false
+        });
+    }
+}
+
+/// The times of a device, by its own clock.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub struct DeviceTimes {
+    /// Time in which kernels ran.
+    pub kernels: Duration,
+    /// Time in which memory was copied between host and device.
+    pub transfers: Duration,
 }
 
 impl std::fmt::Debug for Device {
@@ -61,14 +110,89 @@ impl Device {
     /// # Errors
     /// As [`find`](super::find); [`Error::Backend`] when the device fails.
     pub fn open(selector: &str) -> Result<Self> {
+        Self::open_with(selector, false)
+    }
+
+    /// Opens the device as [`Device::open`] does, and times its kernels and transfers
+    /// ([`Device::times`]).
+    ///
+    /// # Errors
+    /// As [`Device::open`].
+    pub fn open_timed(selector: &str) -> Result<Self> {
+        Self::open_with(selector, true)
+    }
+
+    fn open_with(selector: &str, timed: bool) -> Result<Self> {
         let (info, handle) = chosen(selector)?;
         let refused = |e: ClError| refusal(&info, "creating a context failed", e);
         let context = Context::from_device(&handle).map_err(refused)?;
         // SAFETY: the device belongs to the context.
         #[allow(deprecated)]
-        let queue = unsafe { CommandQueue::create(&context, handle.id(), 0) }.map_err(refused)?;
+        let queue = unsafe {
+            let properties = if timed { CL_QUEUE_PROFILING_ENABLE } else { 0 };
+            CommandQueue::create(&context, handle.id(), properties)
+        }
+        .map_err(refused)?;
         let programs = Mutex::default();
-        Ok(Self(Arc::new(Opened { info, handle, queue, context, programs })))
+        let work = Mutex::new(Work { timed, ..Work::default() });
+        Ok(Self(Arc::new(Opened { info, handle, queue, context, programs, work })))
+    }
+
+    /// Returns the time of kernels and that of transfers since the device was opened or last asked,
+    /// after all of them have ended; `None` unless it was opened by [`Device::open_timed`].
+    ///
+    /// ```
+    /// use catamaran::base::Progress;
+    /// use catamaran_simulation::opencl::{Device, evaluate_newton};
+    /// use catamaran_simulation::texture::newton::{Grid, Newton, NewtonOptions, Points};
+    ///
+    /// let Ok(device) = Device::open_timed("") else { return Ok(()) };
+    /// let newton = Newton::new(&NewtonOptions::new())?;
+    /// let points = Points::Grid(Grid::plane(256, 256, [0.0, 0.0], 2.0));
+    /// evaluate_newton(&device, &newton, points, Progress::none())?;
+    /// let times = device.times()?.unwrap();
+    /// assert!(!times.kernels.is_zero() && !times.transfers.is_zero());
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Backend`] when the device fails.
+    pub fn times(&self) -> Result<Option<DeviceTimes>> {
+        self.finish("times")?;
+        let mut work = self.work();
+        Ok(work.timed.then(|| std::mem::take(&mut work.times)))
+    }
+
+    fn work(&self) -> std::sync::MutexGuard<'_, Work> {
+        self.0.work.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Keeps the event of a kernel or of a transfer if the device is timed.
+    fn keep(&self, kind: Kind, event: Event) {
+        let mut work = self.work();
+        if work.timed {
+            work.events.push((kind, event));
+        }
+    }
+
+    /// Notes that the host has waited.
+    fn waited(&self) {
+        let mut work = self.work();
+        work.waits += 1;
+        work.sum();
+    }
+
+    /// Waits for the end of all work. `what` names it, for errors.
+    pub(super) fn finish(&self, what: &str) -> Result<()> {
+        self.0.queue.finish().map_err(|e| self.failed(what, e))?;
+        self.waited();
+        Ok(())
+    }
+
+    /// Returns how often the host has waited for the device.
+    #[cfg(test)]
+    pub(super) fn waits(&self) -> u64 {
+        self.work().waits
     }
 
     /// Returns the description of the device.
@@ -143,7 +267,9 @@ impl Device {
         // SAFETY: the call blocks until `values` have been read.
         let sent =
             unsafe { self.0.queue.enqueue_write_buffer(buffer, CL_BLOCKING, 0, values, &[]) };
-        sent.map(drop).map_err(|e| self.failed("sending", e))
+        self.keep(Kind::Transfer, sent.map_err(|e| self.failed("sending", e))?);
+        self.waited();
+        Ok(())
     }
 
     /// Copies the beginning of `buffer`, which must be large enough, to `values`, after all earlier
@@ -168,7 +294,9 @@ impl Device {
             let queue = &self.0.queue;
             queue.enqueue_read_buffer(buffer, CL_BLOCKING, first * size_of::<T>(), values, &[])
         };
-        got.map(drop).map_err(|e| self.failed("receiving", e))
+        self.keep(Kind::Transfer, got.map_err(|e| self.failed("receiving", e))?);
+        self.waited();
+        Ok(())
     }
 
     /// Allocates memory that holds these numbers.
@@ -188,11 +316,6 @@ impl Device {
         values.resize(len, T::default());
         self.read(buffer, &mut values)?;
         Ok(values)
-    }
-
-    /// Returns the queue, which runs kernels one after the other.
-    pub(super) fn queue(&self) -> &CommandQueue {
-        &self.0.queue
     }
 
     pub(super) fn failed(&self, what: &str, error: ClError) -> Error {
@@ -228,8 +351,10 @@ impl Launcher {
         };
         // SAFETY: the contract: the arguments are those that the kernel declares, and work-items
         // from `items` on, up to a multiple of the group, do nothing in its code.
-        let queued = unsafe { call.enqueue_nd_range(self.device.queue()) };
-        queued.map(drop).map_err(|e| self.device.failed(self.what, e))
+        let queued = unsafe { call.enqueue_nd_range(&self.device.0.queue) };
+        let event = queued.map_err(|e| self.device.failed(self.what, e))?;
+        self.device.keep(Kind::Kernel, event);
+        Ok(())
     }
 }
 

@@ -3,6 +3,7 @@
 mod agents;
 
 use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 use opencl3::kernel::{ExecuteKernel, Kernel};
 use opencl3::memory::Buffer;
@@ -16,6 +17,14 @@ use agents::{Agents, Ordering};
 use catamaran::base::{Error, Progress, Result, reserved};
 
 const SOURCE: &str = include_str!("kernels/slime.cl");
+
+/// Time of the steps between two waits of [`SlimeOnDevice::advance`]: what a caller needs to react
+/// to a signal.
+const PACE: Duration = Duration::from_millis(50);
+
+/// Most steps between two waits, and most bytes of their sums on the device.
+const MOST_STEPS: u32 = 64;
+const MOST_BYTES: usize = 4 << 20;
 
 /// A simulation whose agents and textures are on a device: it gives the same bits as
 /// [`Simulation::step`] if the device rounds divisions and square roots correctly, as processors
@@ -53,6 +62,10 @@ pub struct SlimeOnDevice {
     /// Locked during sums of coverages, whose kernel and memory are shared; the C ABI allows calls
     /// from several threads.
     covering: Mutex<()>,
+    /// Number of steps whose sums have room on the device.
+    slots: u32,
+    /// Number of steps that take about [`PACE`].
+    pace: u32,
 }
 
 #[derive(Debug)]
@@ -62,6 +75,7 @@ struct Kernels {
     diffuse: Kernel,
     border: Kernel,
     cover: Kernel,
+    bytes: Kernel,
 }
 
 #[derive(Debug)]
@@ -78,7 +92,10 @@ struct Memory {
     links: Buffer<u32>,
     link_weights: Buffer<f32>,
     areas: Buffer<f32>,
+    /// Sums of coverages, of [`SlimeOnDevice::slots`] steps.
     sums: Buffer<u64>,
+    /// A texture as bytes; allocated for the first frame.
+    bytes: Option<Buffer<u8>>,
     marks: Buffer<u32>,
     texture: Buffer<f32>,
     next: Buffer<f32>,
@@ -118,6 +135,7 @@ impl SlimeOnDevice {
             diffuse: kernel("slime_diffuse")?,
             border: kernel("slime_border")?,
             cover: kernel("slime_cover")?,
+            bytes: kernel("slime_bytes")?,
         };
         let (surface, texels, state) =
             (simulation.surface(), simulation.texels(), simulation.state());
@@ -125,6 +143,8 @@ impl SlimeOnDevice {
         let entries = state.texture.len();
         let mut no_marks: Vec<u32> = reserved(entries / 32)?;
         no_marks.resize(entries / 32, 0);
+        let sums = 2 * lines_of(&parameters);
+        let slots = (MOST_BYTES / (sums * size_of::<u64>())).clamp(1, MOST_STEPS as usize);
         let memory = Memory {
             turns: device.filled(parameters.turns.as_flattened())?,
             records: device.filled(surface.records().as_flattened())?,
@@ -138,7 +158,8 @@ impl SlimeOnDevice {
             links: device.filled(texels.links())?,
             link_weights: device.filled(texels.link_weights())?,
             areas: device.filled(texels.areas())?,
-            sums: device.buffer(2 * lines_of(&parameters))?,
+            sums: device.buffer(slots * sums)?,
+            bytes: None,
             marks: device.filled(&no_marks)?,
             texture: device.filled(&state.texture)?,
             next: device.buffer(entries)?,
@@ -154,6 +175,8 @@ impl SlimeOnDevice {
             ordering: Ordering::new(device, kernel, state.ids.len(), parameters.size)?,
             launcher: Launcher { device: device.clone(), group, what: "slime" },
             covering: Mutex::new(()),
+            slots: slots as u32,
+            pace: 1,
         })
     }
 
@@ -172,6 +195,50 @@ impl SlimeOnDevice {
             }
         }
         self.wait()
+    }
+
+    /// Computes at least one and at most `most` steps, as many as take about a twentieth of a
+    /// second, and returns the coverage of each species after each of them. The host waits once.
+    ///
+    /// ```
+    /// use catamaran::Par;
+    /// use catamaran_simulation::opencl::{Device, SlimeOnDevice};
+    /// use catamaran_simulation::texture::slime::{Mask, Options, Simulation, Surface};
+    ///
+    /// let Ok(device) = Device::open("") else { return Ok(()) };
+    /// let options = Options::new().agents(1000).size(128);
+    /// let mut simulation = Simulation::new(Surface::tile()?, &options, &Mask::default())?;
+    /// let mut on_device = SlimeOnDevice::new(&device, &simulation)?;
+    /// let mut covered = Vec::new();
+    /// while covered.len() < 5 {
+    ///     covered.extend(on_device.advance(5 - covered.len() as u32)?);
+    /// }
+    /// assert_eq!(on_device.steps(), 5);
+    /// assert_eq!(covered[4], on_device.coverage()?);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Argument`] when `most` is 0, [`Error::OutOfMemory`], [`Error::Backend`] when the
+    /// device fails.
+    pub fn advance(&mut self, most: u32) -> Result<Vec<Vec<Coverage>>> {
+        if most == 0 {
+            return Err(Error::Argument { what: "most", why: "must be at least 1, is 0".into() });
+        }
+        let (start, count) = (Instant::now(), self.pace.min(most));
+        for slot in 0..count {
+            self.enqueue_step()?;
+            self.enqueue_cover(slot)?;
+        }
+        let covered = self.covered(count)?;
+        match start.elapsed() {
+            took if took > PACE => self.pace = (self.pace / 2).max(1),
+            took if took < PACE / 2 && count == self.pace => {
+                self.pace = (2 * self.pace).min(self.slots);
+            }
+            _ => {}
+        }
+        Ok(covered)
     }
 
     /// Returns the device of the simulation.
@@ -203,13 +270,44 @@ impl SlimeOnDevice {
     /// [`Error::Argument`] for a species that does not exist, [`Error::Shape`] for a texture of
     /// another size, [`Error::Backend`] when the device fails.
     pub fn read_texture(&self, species: usize, texture: &mut [f32]) -> Result<()> {
+        let plane = self.plane_of(species, texture.len())?;
+        self.device().read_from(&self.memory.texture, species * plane, texture)
+    }
+
+    /// Copies the current texture of a species as bytes, as [`Simulation::frame`] does: the device
+    /// converts it, and a quarter of its memory is transferred.
+    ///
+    /// # Errors
+    /// As [`SlimeOnDevice::read_texture`]; [`Error::OutOfMemory`].
+    pub fn frame(&mut self, species: usize, frame: &mut [u8]) -> Result<()> {
+        let plane = self.plane_of(species, frame.len())?;
+        let bytes = match self.memory.bytes.take() {
+            Some(bytes) => bytes,
+            None => self.device().buffer(plane)?,
+        };
+        let bytes = self.memory.bytes.insert(bytes);
+        let mut call = ExecuteKernel::new(&self.kernels.bytes);
+        // SAFETY: numbers and types are those that the kernel declares; the species has `plane`
+        // texels in the texture, and so many bytes have room. The buffers outlive the work in the
+        // queue, because reading the bytes waits for it.
+        unsafe {
+            call.set_arg(&(plane as u32)).set_arg(&((species * plane) as u32));
+            call.set_arg(&self.memory.texture).set_arg(&*bytes);
+            self.launcher.enqueue(call, plane)?;
+        }
+        self.launcher.device.read(bytes, frame)
+    }
+
+    /// Returns the number of texels of a species, after a check that it exists and that a picture
+    /// has so many.
+    fn plane_of(&self, species: usize, texels: usize) -> Result<usize> {
         let (size, count) = (self.parameters.size as usize, self.parameters.species as usize);
         if species >= count {
             let why = format!("must be below {count}, is {species}");
             return Err(Error::Argument { what: "species", why });
         }
-        Error::check_shape("texture", (size * size, 1), (texture.len(), 1))?;
-        self.device().read_from(&self.memory.texture, species * size * size, texture)
+        Error::check_shape("texture", (size * size, 1), (texels, 1))?;
+        Ok(size * size)
     }
 
     /// Returns the current agents, in the order of their numbers, and the current textures.
@@ -231,6 +329,12 @@ impl SlimeOnDevice {
     /// [`Error::OutOfMemory`], [`Error::Backend`] when the device fails.
     pub fn coverage(&self) -> Result<Vec<Coverage>> {
         let _one_at_a_time = self.covering.lock().unwrap_or_else(PoisonError::into_inner);
+        self.enqueue_cover(0)?;
+        Ok(self.covered(1)?.swap_remove(0))
+    }
+
+    /// Enqueues the sums of the coverage of the current textures.
+    fn enqueue_cover(&self, slot: u32) -> Result<()> {
         let (p, m) = (&self.parameters, &self.memory);
         // Rows on processors, which read consecutive numbers; columns on graphics cards, whose
         // work-items read side by side.
@@ -238,16 +342,23 @@ impl SlimeOnDevice {
         let lines = lines_of(p);
         let mut call = ExecuteKernel::new(&self.kernels.cover);
         // SAFETY: numbers and types are those that the kernel declares, and `lines` work-items stay
-        // within the buffers, which outlive the work in the queue, because reading the sums waits
-        // for it.
+        // within the buffers, where `slots` steps have room. They outlive the work in the queue,
+        // because reading the sums waits for it.
         unsafe {
             call.set_arg(&p.size).set_arg(&p.species).set_arg(&across).set_arg(&along);
+            call.set_arg(&(slot * lines as u32));
             call.set_arg(&m.areas).set_arg(&m.texture).set_arg(&m.sums);
-            self.launcher.enqueue(call, lines)?;
+            self.launcher.enqueue(call, lines)
         }
-        let sums: Vec<u64> = self.device().values(&m.sums, 2 * lines)?;
+    }
+
+    /// Returns the coverages of the first `count` slots.
+    fn covered(&self, count: u32) -> Result<Vec<Vec<Coverage>>> {
+        let lines = lines_of(&self.parameters);
+        let sums: Vec<u64> = self.device().values(&self.memory.sums, 2 * lines * count as usize)?;
         let of = |sums: &[[u64; 2]]| sum_of(sums.iter().copied()).into();
-        Ok(sums.as_chunks().0.chunks(p.size as usize).map(of).collect())
+        let steps = sums.as_chunks().0.chunks(lines);
+        Ok(steps.map(|step| step.chunks(self.parameters.size as usize).map(of).collect()).collect())
     }
 
     /// Copies the current agents and textures to `simulation`, usually the one from which this one
@@ -261,7 +372,7 @@ impl SlimeOnDevice {
     }
 
     fn wait(&self) -> Result<()> {
-        self.device().queue().finish().map_err(|e| self.device().failed("slime", e))
+        self.device().finish("slime")
     }
 
     /// Enqueues all kernels of a step, one after the other; the queue keeps their order.

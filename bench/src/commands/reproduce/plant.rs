@@ -17,7 +17,7 @@ pub const HEADER: &str = "figure,case,quantity,value";
 pub enum Share {
     /// Figures 4.3 to 4.11, accuracy, and storms.
     Figures,
-    /// Figure 4.6 by the drying leaves of CATAMARAN_DATA.
+    /// Figure 4.6 by the drying leaves of CATAMARAN_DATA, and by weights of the model.
     Leaves,
     /// The race of the water solver, which needs a quiet machine.
     Water,
@@ -75,7 +75,10 @@ pub fn run(report: &mut Report, share: Share, arguments: &Arguments) -> Result<(
             keep(storms()?);
         }
         Share::Leaves => match leaves()? {
-            Some(part) => keep(part),
+            Some(parts) => {
+                parts.into_iter().for_each(&mut keep);
+                keep(weights(&subjects()?)?);
+            }
             None => eprintln!("figure 4.6: no real leaves in CATAMARAN_DATA/plants/leaves"),
         },
         Share::Water => keep(race(arguments.largest, repeat, libraries)?),

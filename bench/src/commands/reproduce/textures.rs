@@ -3,8 +3,8 @@
 use catamaran_bench::Result;
 use catamaran_bench::plant::Part;
 use catamaran_bench::textures::{
-    PICTURES, evaporation, grid, long_walks, many_points, maze, newton_figures, newton_times,
-    rescaling, substeps, table,
+    PICTURES, disagreements, evaporation, grid, long_walks, many_points, maze, newton_figures,
+    newton_times, rescaling, substeps, table,
 };
 use clap::ValueEnum;
 
@@ -54,39 +54,46 @@ const SIZE: u32 = 4096;
 
 pub fn run(report: &mut Report, share: Share, arguments: &Arguments) -> Result<()> {
     report.say(&format!("{}\n", share.title()));
-    let mut keep = |part: Part| {
-        report.say(&part.markdown());
-        report.lines.extend(part.lines());
-        report.plots.extend(part.plots);
-    };
     match share {
         Share::Figures => {
-            keep(substeps()?);
-            keep(rescaling()?);
-            keep(table()?);
-            keep(grid()?);
-            keep(maze()?);
-            keep(evaporation()?);
-            newton_figures()?.into_iter().for_each(keep);
+            keep(report, substeps()?);
+            keep(report, rescaling()?);
+            let table = table()?;
+            let disagreements = disagreements(&table);
+            keep(report, table);
+            report.say(&disagreements);
+            keep(report, grid()?);
+            keep(report, maze()?);
+            keep(report, evaporation()?);
+            newton_figures()?.into_iter().for_each(|part| keep(report, part));
             report.say(PICTURES);
         }
         Share::Tables => {
             #[cfg(feature = "opencl")]
             {
                 use catamaran_bench::textures::{ten_meshes, times};
-                keep(times(arguments.rounds, arguments.largest_texture)?);
-                keep(ten_meshes(1, arguments.largest_texture)?);
+                keep(report, times(arguments.rounds, arguments.largest_texture)?);
+                keep(report, ten_meshes(arguments.rounds, arguments.largest_texture)?);
             }
-            newton_times(SIZE, arguments.repeat)?.into_iter().for_each(keep);
+            newton_times(SIZE, arguments.repeat)?.into_iter().for_each(|part| keep(report, part));
         }
         Share::Long => {
-            keep(long_walks()?);
-            keep(many_points()?);
+            keep(report, long_walks()?);
+            keep(report, many_points()?);
         }
         #[cfg(feature = "opencl")]
-        Share::Gpu => catamaran_bench::textures::gpu()?.into_iter().for_each(keep),
+        Share::Gpu => {
+            catamaran_bench::textures::gpu()?.into_iter().for_each(|part| keep(report, part));
+        }
         #[cfg(not(feature = "opencl"))]
         Share::Gpu => return Err("--only gpu: this build lacks the feature opencl".into()),
     }
     Ok(())
+}
+
+/// Reports a part.
+fn keep(report: &mut Report, part: Part) {
+    report.say(&part.markdown());
+    report.lines.extend(part.lines());
+    report.plots.extend(part.plots);
 }

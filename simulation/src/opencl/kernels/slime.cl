@@ -383,6 +383,48 @@ __kernel void slime_count(uint count, uint size, __global const float *records,
     }
 }
 
+// Sums the counts of tiles: each work-item those of a run of tiles.
+__kernel void slime_sums(uint tiles, uint run, __global const uint *counts, __global uint *sums) {
+    uint i = (uint)get_global_id(0), first = i * run;
+    if (first >= tiles) {
+        return;
+    }
+    uint last = min(first + run, tiles), sum = 0u;
+    for (uint tile = first; tile < last; tile++) {
+        sum += counts[tile];
+    }
+    sums[i] = sum;
+}
+
+// Replaces the sums of runs by what is before each; one work-item does it.
+__kernel void slime_before(uint runs, __global uint *sums) {
+    if (get_global_id(0) > 0u) {
+        return;
+    }
+    uint before = 0u;
+    for (uint i = 0; i < runs; i++) {
+        uint sum = sums[i];
+        sums[i] = before;
+        before += sum;
+    }
+}
+
+// Writes the first position of each tile, and clears the counts for the next ordering: each
+// work-item does a run of tiles.
+__kernel void slime_firsts(uint tiles, uint run, __global uint *counts, __global const uint *sums,
+                           __global uint *firsts) {
+    uint i = (uint)get_global_id(0), first = i * run;
+    if (first >= tiles) {
+        return;
+    }
+    uint last = min(first + run, tiles), position = sums[i];
+    for (uint tile = first; tile < last; tile++) {
+        firsts[tile] = position;
+        position += counts[tile];
+        counts[tile] = 0u;
+    }
+}
+
 // Moves each agent to the next position of its tile; `tiles` holds the first positions.
 __kernel void slime_place(uint count, uint size, __global const float *records,
                           __global const uint *ids, __global const uint *triangles,
@@ -500,8 +542,8 @@ __kernel void slime_border(uint count, uint plane, uint species_count, float ble
 }
 
 // Sums coverage and presence of species by columns or rows of `size` texels: work-item i sums the
-// texels at `across` i and following, `along` apart.
-__kernel void slime_cover(uint size, uint species_count, uint across, uint along,
+// texels at `across` i and following, `along` apart, into entry `slot` + i.
+__kernel void slime_cover(uint size, uint species_count, uint across, uint along, uint slot,
                           __global const float *areas, __global const float *texture,
                           __global ulong2 *sums) {
     size_t i = get_global_id(0);
@@ -518,5 +560,14 @@ __kernel void slime_cover(uint size, uint species_count, uint across, uint along
         sum.x += area * convert_ulong(pheromone * PHEROMONE_UNIT + 0.5f);
         sum.y += pheromone > 0.0f ? area : 0;
     }
-    sums[i] = sum;
+    sums[slot + i] = sum;
+}
+
+// Writes the pheromone of `count` texels of a species, which begins at `first`, as bytes.
+__kernel void slime_bytes(uint count, uint first, __global const float *texture,
+                          __global uchar *bytes) {
+    size_t i = get_global_id(0);
+    if (i < count) {
+        bytes[i] = convert_uchar_sat(round(255.0f * texture[first + i]));
+    }
 }

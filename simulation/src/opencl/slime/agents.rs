@@ -6,7 +6,7 @@ use opencl3::kernel::{ExecuteKernel, Kernel};
 use opencl3::memory::Buffer;
 
 use crate::opencl::session::{Device, Launcher};
-use crate::texture::slime::{State, TILE, Walker, starts_of};
+use crate::texture::slime::{State, TILE, Walker};
 use catamaran::base::{Error, Result, reserved};
 
 /// The agents of a [`State`].
@@ -81,15 +81,29 @@ impl Agents {
 }
 
 /// Orders agents by tiles of the texture, like its counterpart on the CPU, except that the order
-/// within a tile is arbitrary.
+/// within a tile is arbitrary. The host waits for nothing.
 #[derive(Debug)]
 pub(super) struct Ordering {
     count: Kernel,
+    sums: Kernel,
+    before: Kernel,
+    firsts: Kernel,
     place: Kernel,
     size: u32,
-    counts: Vec<u32>,
-    tiles: Buffer<u32>,
+    tiles: u32,
+    /// Number of tiles that a work-item sums.
+    run: u32,
+    memory: Memory,
     spare: Agents,
+}
+
+/// Numbers of tiles, and of runs of tiles.
+#[derive(Debug)]
+struct Memory {
+    /// The agents in each tile; zero between orderings.
+    counts: Buffer<u32>,
+    sums: Buffer<u32>,
+    firsts: Buffer<u32>,
 }
 
 impl Ordering {
@@ -103,44 +117,62 @@ impl Ordering {
         let tiles = (size as usize / TILE).pow(2);
         let mut counts = reserved(tiles)?;
         counts.resize(tiles, 0);
+        // As many runs as tiles in a run: all sums are short, also the one over all runs.
+        let run = tiles.isqrt().max(1);
         Ok(Self {
             count: kernel("slime_count")?,
+            sums: kernel("slime_sums")?,
+            before: kernel("slime_before")?,
+            firsts: kernel("slime_firsts")?,
             place: kernel("slime_place")?,
             size,
-            counts,
-            tiles: device.buffer(tiles)?,
+            tiles: tiles as u32,
+            run: run as u32,
+            memory: Memory {
+                counts: device.filled(&counts)?,
+                sums: device.buffer(tiles.div_ceil(run))?,
+                firsts: device.buffer(tiles)?,
+            },
             spare: Agents::room(device, agents)?,
         })
     }
 
-    /// Orders the agents; the counts of the tiles are summed on the host.
+    /// Enqueues the kernels that order the agents.
     pub(super) fn order(
         &mut self,
         launcher: &Launcher,
         records: &Buffer<f32>,
         agents: &mut Agents,
     ) -> Result<()> {
-        let count = agents.len as u32;
-        self.counts.fill(0);
-        launcher.device.write(&mut self.tiles, &self.counts)?;
+        let (count, tiles, run, m) = (agents.len as u32, self.tiles, self.run, &self.memory);
+        let runs = tiles.div_ceil(run);
         let mut call = ExecuteKernel::new(&self.count);
         // SAFETY: numbers and types are those that the kernel declares; texels are in tiles, whose
         // number is that of the buffer.
         unsafe {
             call.set_arg(&count).set_arg(&self.size).set_arg(records);
-            call.set_arg(&agents.triangles).set_arg(&agents.positions).set_arg(&self.tiles);
+            call.set_arg(&agents.triangles).set_arg(&agents.positions).set_arg(&m.counts);
             launcher.enqueue(call, agents.len)?;
         }
-        launcher.device.read(&self.tiles, &mut self.counts)?;
-        starts_of(&mut self.counts);
-        launcher.device.write(&mut self.tiles, &self.counts)?;
+        let [mut sums, mut before, mut firsts] =
+            [&self.sums, &self.before, &self.firsts].map(ExecuteKernel::new);
+        // SAFETY: as above; runs cover the tiles, and each has an entry in the sums.
+        unsafe {
+            sums.set_arg(&tiles).set_arg(&run).set_arg(&m.counts).set_arg(&m.sums);
+            launcher.enqueue(sums, runs as usize)?;
+            before.set_arg(&runs).set_arg(&m.sums);
+            launcher.enqueue(before, 1)?;
+            firsts.set_arg(&tiles).set_arg(&run).set_arg(&m.counts).set_arg(&m.sums);
+            firsts.set_arg(&m.firsts);
+            launcher.enqueue(firsts, runs as usize)?;
+        }
         let mut call = ExecuteKernel::new(&self.place);
         // SAFETY: as above, and positions are below the number of agents, because the counts of the
         // same tiles sum to it.
         unsafe {
             call.set_arg(&count).set_arg(&self.size).set_arg(records);
             agents.set_args(&mut call);
-            call.set_arg(&self.tiles);
+            call.set_arg(&m.firsts);
             self.spare.set_args(&mut call);
             launcher.enqueue(call, agents.len)?;
         }

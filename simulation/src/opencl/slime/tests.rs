@@ -1,6 +1,6 @@
 use std::ops::ControlFlow;
 
-use super::super::session::tests::device;
+use super::super::session::{DeviceTimes, tests::device};
 use super::*;
 use crate::texture::slime::{
     Blur, FREE, GOAL, Mask, OBSTACLE, Options, Surface, TangentStep, atlas,
@@ -148,6 +148,76 @@ fn a_run_that_is_cancelled_goes_on() {
     whole.run(8, Progress::new(&|_| ControlFlow::Continue(()))).unwrap();
     assert_eq!(stopped.state().unwrap(), whole.state().unwrap());
     assert_eq!((whole.steps(), whole.device().info()), (8, device.info()));
+}
+
+#[test]
+fn the_host_waits_once_for_many_steps() {
+    let Some(device) = device() else { return };
+    let simulation = Simulation::new(square(), &options(), &Mask::default()).unwrap();
+    let mut kernels = SlimeOnDevice::new(&device, &simulation).unwrap();
+    let before = device.waits();
+    // The agents are ordered several times.
+    kernels.run(3 * EVERY + 1, Progress::none()).unwrap();
+    assert_eq!(device.waits() - before, 1);
+    kernels.pace = 20;
+    let before = device.waits();
+    assert_eq!(kernels.advance(20).unwrap().len(), 20);
+    assert_eq!(device.waits() - before, 1);
+}
+
+#[test]
+fn steps_are_covered_one_by_one_however_many_are_computed_at_a_time() {
+    let Some(device) = device() else { return };
+    let options = Options { species: 2, ..options() };
+    let simulation = Simulation::new(square(), &options, &Mask::default()).unwrap();
+    let new = || SlimeOnDevice::new(&device, &simulation).unwrap();
+    let (mut single, mut many) = (new(), new());
+    many.pace = 7;
+    let covered = many.advance(5).unwrap();
+    assert_eq!((covered.len(), many.steps()), (5, 5));
+    for after in covered {
+        single.run(1, Progress::none()).unwrap();
+        assert_eq!(after, single.coverage().unwrap());
+    }
+    assert!(single.coverage().unwrap().iter().all(|of| of.coverage > 0.0));
+    assert!(matches!(many.advance(0), Err(Error::Argument { what: "most", .. })));
+    // Rooms for sums of steps are bounded, whatever the pace.
+    many.pace = many.slots;
+    assert_eq!(many.advance(1_000).unwrap().len(), many.slots as usize);
+}
+
+#[test]
+fn frames_of_eight_bits_are_those_of_the_twin() {
+    let Some(device) = device() else { return };
+    let options = Options { species: 3, ..options() };
+    let mut twin = Simulation::new(square(), &options, &Mask::default()).unwrap();
+    let mut kernels = SlimeOnDevice::new(&device, &twin).unwrap();
+    kernels.run(6, Progress::none()).unwrap();
+    kernels.give_back(&mut twin).unwrap();
+    let mut frame = vec![7; SIZE * SIZE];
+    for species in 0..3 {
+        kernels.frame(species, &mut frame).unwrap();
+        assert_eq!(frame, twin.frame(species));
+    }
+    let grays = frame.iter().filter(|&&byte| byte > 0 && byte < 255).count();
+    assert!(grays > 100, "{grays}");
+    assert!(matches!(kernels.frame(3, &mut frame), Err(Error::Argument { .. })));
+    assert!(matches!(kernels.frame(0, &mut frame[1..]), Err(Error::Shape { .. })));
+}
+
+#[test]
+fn a_timed_device_tells_kernels_from_transfers() {
+    let Some(device) = device() else { return };
+    assert_eq!(device.times(), Ok(None));
+    let timed = Device::open_timed(&device.info().index.to_string()).unwrap();
+    let simulation = Simulation::new(square(), &options(), &Mask::default()).unwrap();
+    let mut kernels = SlimeOnDevice::new(&timed, &simulation).unwrap();
+    let of_memory = timed.times().unwrap().unwrap();
+    assert!(of_memory.kernels.is_zero() && !of_memory.transfers.is_zero(), "{of_memory:?}");
+    kernels.run(20, Progress::none()).unwrap();
+    let of_steps = timed.times().unwrap().unwrap();
+    assert!(!of_steps.kernels.is_zero() && of_steps.transfers.is_zero(), "{of_steps:?}");
+    assert_eq!(timed.times(), Ok(Some(DeviceTimes::default())));
 }
 
 #[test]

@@ -563,7 +563,10 @@ fn singular() -> Error {
 
 /// Adds the rotational stiffness of a force at an arm where it is positive: tension stabilizes the
 /// orientation of a body (Tournier, Nesme, Gilles and Faure 2015). The term changes no equation,
-/// but the convergence of Newton's method: in a storm, the tension of twigs exceeds `M/h^2`.
+/// but the convergence of Newton's method: in a storm, the tension of twigs exceeds `M/h^2`. At
+/// 20 m/s the drag of a segment is 576 r l (`wind.rs`) and its mass 1100 pi r^2 l, so that at 60
+/// steps a second this stiffness is 1 / (3600 r l) times that of the inertia: 55 times for a twig
+/// with a radius of 0.5 mm and a length of 10 mm.
 fn add_tension(body: &mut Matrix<6>, force: Vector, arm: Vector) {
     let length = norm(arm);
     let held = 0.5 * (norm(force) * length + dot(force, arm));

@@ -56,7 +56,7 @@ pub use diffuse::{diffuse_border, diffuse_row};
 pub use kinds::{BORDER, FREE, GOAL, INSIDE, OBSTACLE, OUTSIDE};
 pub use options::{Blur, Options, Parameters, TURNS, TangentStep};
 #[cfg(feature = "opencl")]
-pub(crate) use order::{EVERY, TILE, starts_of};
+pub(crate) use order::{EVERY, TILE};
 pub use pattern::Pattern;
 pub use random::{Purpose, draw};
 pub use simulation::{Mask, Simulation};

@@ -10,7 +10,7 @@ pub(crate) const TILE: usize = 16;
 pub(crate) const EVERY: u32 = 16;
 
 /// Replaces counts by the start positions of the groups when they are stored one after the other.
-pub(crate) fn starts_of(counts: &mut [u32]) {
+fn starts_of(counts: &mut [u32]) {
     let mut start = 0;
     for count in counts {
         (*count, start) = (start, start + *count);

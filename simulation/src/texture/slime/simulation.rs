@@ -226,6 +226,26 @@ impl Simulation {
         &self.state.texture[species * plane..(species + 1) * plane]
     }
 
+    /// Returns the texture of a species as bytes: 255 times the pheromone, rounded.
+    ///
+    /// ```
+    /// use catamaran::Par;
+    /// use catamaran_simulation::texture::slime::{Mask, Options, Simulation, Surface};
+    ///
+    /// let options = Options::new().agents(100).size(64);
+    /// let mut simulation = Simulation::new(Surface::tile()?, &options, &Mask::default())?;
+    /// simulation.step(Par::Seq);
+    /// let frame = simulation.frame(0);
+    /// assert_eq!(f32::from(frame[0]), (255.0 * simulation.texture(0)[0]).round());
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
+    /// # Panics
+    /// When the species does not exist.
+    pub fn frame(&self, species: usize) -> Vec<u8> {
+        self.texture(species).iter().map(|p| (255.0 * p).round() as u8).collect()
+    }
+
     /// Returns the memory that the simulation holds, in bytes.
     pub fn bytes(&self) -> usize {
         let textures = 2 * size_of_val(&self.next[..]) + 2 * size_of_val(&self.marked[..]);
