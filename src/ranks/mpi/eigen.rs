@@ -97,7 +97,7 @@ pub fn eigs(
             mass: SpreadMass::new(call, &moves.rows, &mass)?,
         };
         let outline = pencil.outline(&moves.rows, stiffness.view(), &mass)?;
-        let shifts = SpreadShifts::new(call, &moves, stiffness.view(), &mass, options.par)?;
+        let shifts = SpreadShifts::new(call, &moves, stiffness.view(), &mass)?;
         drop(stiffness);
         let problem = Problem::new(&pencil, outline, Box::new(shifts));
         options.progress.report(0.01)?;

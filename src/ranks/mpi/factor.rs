@@ -24,7 +24,6 @@ use crate::sparse::{Factor, Inverse, Mass, Shifted, Shifts, Symbolic};
 /// for a surface of n vertices on P ranks.
 pub(super) struct SpreadShifts<'c> {
     call: &'c Call<'c>,
-    par: Par,
     /// The rows of this rank's domain, which are its first ones, and then, as a border without
     /// entries of its own, the rows of the interface that touch them.
     inner: Block,
@@ -113,7 +112,6 @@ impl<'c> SpreadShifts<'c> {
         moves: &Moves,
         stiffness: CsMatView<'_, f64>,
         mass: &Mass,
-        par: Par,
     ) -> Result<Self> {
         let rank = call.world.rank();
         let (own, inner_len) = (moves.rows.own(), moves.inner[rank]);
@@ -158,7 +156,7 @@ impl<'c> SpreadShifts<'c> {
         })();
         let (inner, symbolic) = call.meet(inner)?;
         let interface = Interface::new(call, &numbers, touching, stiffness, mass)?;
-        Ok(Self { call, par, inner, inner_len, symbolic, interface })
+        Ok(Self { call, inner, inner_len, symbolic, interface })
     }
 
     /// Factorizes, with pivots or for a positive definite matrix; `None` if it is not that.
