@@ -371,7 +371,7 @@ mod tests {
                         .unwrap();
                     let mut solved = right.clone();
                     let mut first = 0;
-                    let mut between = |width: usize, rows: &mut [Row]| {
+                    let mut between = |width: usize, rows: &mut [Row]| -> Result<()> {
                         assert_eq!(rows.len(), border, "{name}");
                         for (t, row) in rows.iter_mut().enumerate() {
                             for (j, value) in row[..width].iter_mut().enumerate() {

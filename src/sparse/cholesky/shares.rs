@@ -133,7 +133,7 @@ mod tests {
     fn pairs_are_neighbours_among_the_rows() {
         let graph = grid(9, 7);
         // The first five rows of the grid of vertices.
-        let rows = graph.slice_outer(..35);
+        let rows = graph.slice_outer(0..35);
         let (pairs, into) = paired(rows.view(), &[1.0; 35]).unwrap();
         assert!(pairs.len() < 25, "{}", pairs.len());
         for (p, &[v, other]) in pairs.iter().enumerate() {
