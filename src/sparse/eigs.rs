@@ -99,10 +99,15 @@ pub(crate) fn without_iteration(
         let vectors = Mat::zeros(pencil.inner().rows().len(), 0);
         return Ok(Some(Eigenpairs { values: vec![], vectors, residuals: vec![], solves: 0 }));
     }
-    match basis_size(options.k) + 2 * WIDTH > stiffness.rows() {
+    match is_dense(options.k, stiffness.rows()) {
         true => small(pencil, stiffness, mass, options).map(Some),
         false => Ok(None),
     }
+}
+
+/// Returns whether k pairs of n x n matrices are found without iteration.
+pub(crate) fn is_dense(k: usize, n: usize) -> bool {
+    k == 0 || basis_size(k) + 2 * WIDTH > n
 }
 
 /// Checks the matrices and the options.

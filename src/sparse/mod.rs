@@ -26,19 +26,21 @@ mod two_level;
 #[cfg(feature = "mpi")]
 pub(crate) use check::check_mirrored;
 pub use cholesky::{Cholesky, CholeskyOptions, Triangle};
+#[cfg(feature = "mpi")]
+pub(crate) use cholesky::{paired, separator, shared};
 pub use components::free_components;
 pub use count::count_below;
 pub use eigenpairs::Eigenpairs;
 pub use eigs::eigs;
 #[cfg(feature = "mpi")]
-pub(crate) use eigs::{check as check_problem, one_window, without_iteration};
+pub(crate) use eigs::{check as check_problem, is_dense, one_window, without_iteration};
 pub use mass::Mass;
 pub use options::EigenOptions;
 #[cfg(feature = "mpi")]
-pub(crate) use problem::Problem;
+pub(crate) use problem::{Outline, Problem, scale_of};
 pub use product::multiply;
 #[cfg(feature = "mpi")]
-pub(crate) use product::{multiply_by_differences, multiply_magnitudes};
+pub(crate) use product::{multiply_by_differences, multiply_magnitudes, row_sum};
 pub use slices::eigs_sliced;
 #[cfg(feature = "mpi")]
 pub(crate) use space::{Pencil, Shifts};

@@ -43,7 +43,7 @@ options! {
 
 impl EigenOptions<'_> {
     /// Checks the options for a matrix of `n` rows.
-    pub(super) fn check(&self, n: usize) -> Result<()> {
+    pub(crate) fn check(&self, n: usize) -> Result<()> {
         let refuse = |what, why: String| Err(Error::Argument { what, why });
         if self.k > n {
             return refuse("k", format!("{} eigenpairs of a matrix of {n} rows", self.k));

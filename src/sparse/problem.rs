@@ -10,6 +10,26 @@ use super::space::{Inverse, Pencil, Shifts, WholePencil};
 use super::{Mass, components};
 use crate::base::{Error, Result};
 
+/// What runs need to know about W and M beside their products.
+pub(crate) struct Outline {
+    /// The s of [`Eigenpairs`].
+    pub scale: f64,
+    /// The mean of the diagonal of M.
+    pub mean_mass: f64,
+    /// Null vectors of W, as lists of rows; of each, this process may have a part.
+    pub null: Vec<Vec<usize>>,
+}
+
+impl Outline {
+    /// Finds what is known about whole matrices.
+    fn of(stiffness: CsMatView<'_, f64>, mass: &Mass) -> Self {
+        let n = stiffness.rows();
+        let mean_mass = (0..n).map(|i| mass.diagonal(i)).sum::<f64>() / n as f64;
+        let null = components::null_components(stiffness, mass);
+        Self { scale: scale(stiffness, mass), mean_mass, null }
+    }
+}
+
 /// The matrices W and M, with the data that all runs share.
 pub(crate) struct Problem<'a> {
     pub pencil: &'a dyn Pencil,
@@ -27,21 +47,14 @@ impl<'a> Problem<'a> {
         let WholePencil { stiffness, mass } = *pencil;
         let shifted = Shifted::new(stiffness, mass);
         let symbolic = Symbolic::new(shifted.symbolic())?;
-        Ok(Self::new(pencil, stiffness, mass, Box::new(WholeShifts { shifted, symbolic })))
+        let shifts = Box::new(WholeShifts { shifted, symbolic });
+        Ok(Self::new(pencil, Outline::of(stiffness, mass), shifts))
     }
 
-    /// Creates the problem of a pencil and its shifts. The matrices are those of the pencil, with
-    /// all rows.
-    pub fn new(
-        pencil: &'a dyn Pencil,
-        stiffness: CsMatView<'_, f64>,
-        mass: &Mass,
-        shifts: Box<dyn Shifts + 'a>,
-    ) -> Self {
-        let n = stiffness.rows();
-        let mean_mass = (0..n).map(|i| mass.diagonal(i)).sum::<f64>() / n as f64;
-        let null = components::null_components(stiffness, mass);
-        Self { pencil, scale: scale(stiffness, mass), shifts, mean_mass, null }
+    /// Creates the problem of a pencil and its shifts.
+    pub fn new(pencil: &'a dyn Pencil, outline: Outline, shifts: Box<dyn Shifts + 'a>) -> Self {
+        let Outline { scale, mean_mass, null } = outline;
+        Self { pencil, scale, shifts, mean_mass, null }
     }
 
     /// Returns the bytes that a factorization takes, and those that are allocated anyway.
@@ -219,7 +232,13 @@ pub(crate) fn not_semi_definite() -> Error {
 pub(crate) fn scale(stiffness: CsMatView<'_, f64>, mass: &Mass) -> f64 {
     let n = stiffness.rows();
     let ratio = |i: usize| stiffness.get(i, i).copied().unwrap_or(0.0) / mass.diagonal(i);
-    let mut ratios: Vec<f64> = (0..n).map(ratio).filter(|x| *x > 0.0).collect();
+    scale_of((0..n).map(ratio).collect())
+}
+
+/// Returns the scale of matrices whose diagonals have these ratios, `W_ii / M_ii`.
+pub(crate) fn scale_of(mut ratios: Vec<f64>) -> f64 {
+    let n = ratios.len();
+    ratios.retain(|x| *x > 0.0);
     if ratios.is_empty() {
         return 1.0;
     }

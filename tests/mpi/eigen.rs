@@ -13,6 +13,7 @@ use crate::{Case, Scene};
 
 pub const CASES: &[Case] = &[
     ("spread_eigenpairs_agree_with_one_process", agreement),
+    ("spread_eigenpairs_of_matrices_that_no_rank_holds", large),
     ("spread_eigenpairs_of_small_matrices", small),
     ("spread_eigenpairs_are_the_same_bits_for_any_number_of_threads", threads),
     ("matrices_that_do_not_fit_are_refused_and_named", refusals),
@@ -159,6 +160,13 @@ fn agreement(world: &World) {
     let w = two_grids(17, 12);
     let counted = options(25).verify_count(true);
     check(world, &w, &Mass::identity(w.rows()), &counted);
+}
+
+/// Graphs of more vertices than every rank may hold.
+fn large(world: &World) {
+    let w = two_grids(50, 42);
+    check(world, &w, &Mass::identity(w.rows()), &options(7));
+    check(world, &w, &Mass::Full(smoothed(&w)), &options(7).shift(Some(0.05)));
 }
 
 fn small(world: &World) {

@@ -4,10 +4,9 @@
 use faer::MatRef;
 
 use super::digits::{PARTS, part_of, whole};
-use super::pairs::{ExactPairs, FloatPairs, Pairs, bounds_of_seen};
+use super::pairs::{ExactPairs, FloatPairs, Pairs, bounds_of_seen, summed};
 use super::scatter::Scatter;
 use super::symmetric::Symmetric;
-use super::travel::Exchange;
 use super::world::{MpiReal, Operation, World, fact, flag, number_fact, scalar_fact};
 use crate::base::{Error, Result, reserved, zeros};
 use crate::product::AtaOptions;
@@ -84,14 +83,18 @@ fn check<T>(world: &World, bricks: &Bricks, brick: MatRef<'_, T>) -> Result<()> 
     Error::check_shape("this rank's part of A", shape, brick.shape())
 }
 
-/// Returns the columns of the slice of this rank, on their way; `None` for a rank without a brick.
-fn exchange<'w, T: MpiReal>(
-    world: &'w World,
-    bricks: &'w Bricks,
-    brick: MatRef<'w, T>,
-) -> Option<Result<Exchange<'w, T>>> {
-    let (slice, _) = bricks.place(world.rank())?;
-    Some(Exchange::new(world, bricks.rank(slice, 0), bricks.blocks(), brick))
+/// Sums the products of this rank's slice, given its sums of no rows of a block; `None` for a rank
+/// without a brick.
+fn summed_in_slice<T: MpiReal, P: Pairs<T>>(
+    world: &World,
+    bricks: &Bricks,
+    brick: MatRef<'_, T>,
+    sums: impl FnOnce(usize) -> Result<P>,
+    options: &AtaOptions<'_>,
+) -> Result<Option<P>> {
+    let (slice, block) = bricks.place(world.rank()).unzip();
+    let place = slice.map(|slice| (bricks.rank(slice, 0), bricks.blocks()));
+    summed(world, place, brick, || sums(block.unwrap_or_default()), options)
 }
 
 /// Returns the reduction over the slices of the sums of this rank's block; `None` for a rank
@@ -109,16 +112,9 @@ fn in_floats<T: MpiReal>(
     brick: MatRef<'_, T>,
     options: &AtaOptions<'_>,
 ) -> Result<Vec<T>> {
-    let place = bricks.place(world.rank());
-    let prepared = exchange(world, bricks, brick).zip(place).map(|(exchange, (_, block))| {
-        Ok((exchange?, FloatPairs::new(bricks.blocks(), block, alpha)?))
-    });
-    let prepared = world.agree(prepared.transpose())?;
-    let done = prepared.map(|(mut exchange, mut pairs)| {
-        pairs.add_all(&mut exchange, options)?;
-        Ok(pairs.into_entries())
-    });
-    let mut sums = world.agree(done.transpose())?.unwrap_or_default();
+    let sums = |block| FloatPairs::new(bricks.blocks(), block, alpha);
+    let pairs = summed_in_slice(world, bricks, brick, sums, options)?;
+    let mut sums = pairs.map(FloatPairs::into_entries).unwrap_or_default();
     let prepared = scatter::<T>(world, bricks).map(|scatter| {
         let scatter = scatter?;
         let entries = reserved(bricks.len(world.rank()))?;
@@ -142,15 +138,8 @@ fn in_integers<T: MpiReal>(
     let (place, size) = (bricks.place(rank), (bricks.m(), bricks.n()));
     let in_slice = place.map(|(_, block)| (bricks.blocks(), block));
     let bounds = bounds_of_seen(world, in_slice, brick, bricks.columns(rank), size, options)?;
-    let prepared = exchange(world, bricks, brick).zip(place).map(|(exchange, (_, block))| {
-        Ok((exchange?, ExactPairs::new(bricks.blocks(), block, &bounds)?))
-    });
-    let prepared = world.agree(prepared.transpose())?;
-    let done = prepared.map(|(mut exchange, mut pairs)| {
-        pairs.add_all(&mut exchange, options)?;
-        Ok(pairs)
-    });
-    let pairs = world.agree(done.transpose())?;
+    let sums = |block| ExactPairs::new(bricks.blocks(), block, &bounds);
+    let pairs = summed_in_slice(world, bricks, brick, sums, options)?;
     let prepared = scatter::<f64>(world, bricks).zip(pairs).map(|(scatter, pairs)| {
         let (scatter, terms) = (scatter?, zeros::<f64>(pairs.len())?);
         let (len, entries) = (bricks.len(rank), reserved(bricks.len(rank))?);

@@ -2,9 +2,8 @@
 
 use faer::MatRef;
 
-use super::pairs::{ExactPairs, FloatPairs, Pairs, bounds_of_seen};
+use super::pairs::{ExactPairs, FloatPairs, bounds_of_seen, summed};
 use super::symmetric::Symmetric;
-use super::travel::Exchange;
 use super::world::{MpiReal, Operation, World, fact, flag, number_fact, scalar_fact};
 use crate::base::{Result, reserved};
 use crate::product::AtaOptions;
@@ -53,24 +52,18 @@ pub fn ata_columns<T: MpiReal>(
     let facts = [fact("m", m), scalar_fact::<T>(), number_fact("alpha", alpha), exact];
     world.begin(Operation::Columns, &facts, Ok(()))?;
     let blocks = Blocks::new(&world.gather_numbers(columns.ncols()));
+    let place = Some((0, &blocks));
     let entries = if options.asks_for_exact() {
-        let size = (m, blocks.n());
-        let held = blocks.columns(own);
+        let (size, held) = ((m, blocks.n()), blocks.columns(own));
         let bounds = bounds_of_seen(world, Some((&blocks, own)), columns, held, size, options)?;
-        let prepared = Exchange::new(world, 0, &blocks, columns).and_then(|exchange| {
-            let pairs = ExactPairs::new(&blocks, own, &bounds)?;
-            let entries = reserved(pairs.len())?;
-            Ok((exchange, pairs, entries))
-        });
-        let (mut exchange, mut pairs, mut entries) = world.agree(prepared)?;
-        world.agree(pairs.add_all(&mut exchange, options))?;
+        let sums = || ExactPairs::new(&blocks, own, &bounds);
+        let pairs = summed(world, place, columns, sums, options)?.expect("a block on every rank");
+        let mut entries = world.agree(reserved(pairs.len()))?;
         entries.extend((0..pairs.len()).map(|k| pairs.value(k, alpha, pairs.sum(k))));
         entries
     } else {
-        let prepared = Exchange::new(world, 0, &blocks, columns)
-            .and_then(|exchange| Ok((exchange, FloatPairs::new(&blocks, own, alpha)?)));
-        let (mut exchange, mut pairs) = world.agree(prepared)?;
-        world.agree(pairs.add_all(&mut exchange, options))?;
+        let sums = || FloatPairs::new(&blocks, own, alpha);
+        let pairs = summed(world, place, columns, sums, options)?.expect("a block on every rank");
         pairs.into_entries()
     };
     Ok(Symmetric::new(TriangleLayout::Blocks(blocks), own, entries))

@@ -63,6 +63,15 @@ pub(super) fn all_gather<T: MpiReal>(call: &Call<'_>, own: &[T], lens: &[usize])
     Ok(all)
 }
 
+/// Returns the numbers of all ranks, one after another, on every rank, and where those of each rank
+/// are.
+pub(super) fn gather_lists(call: &Call<'_>, own: &[f64]) -> Result<(Vec<f64>, Vec<Range<usize>>)> {
+    let spread = Rows::new(call, own.len())?;
+    let spans: Vec<_> = (0..spread.ranks()).map(|rank| spread.of(rank)).collect();
+    let lens: Vec<usize> = spans.iter().map(Range::len).collect();
+    Ok((all_gather(call, own, &lens)?, spans))
+}
+
 /// The distribution of the rows of a matrix over the ranks, in their order.
 pub(super) struct Rows {
     rank: usize,

@@ -5,18 +5,15 @@ use std::ops::Range;
 
 use faer::prelude::ReborrowMut;
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Mat, MatMut, MatRef};
+use faer::{Mat, MatMut};
 use sprs::{CsMat, CsMatView};
 
 use super::call::Call;
-use super::domains::Domains;
-use super::exchange::{Rows, exchange};
-use crate::base::{Par, Result};
-use crate::dense::zeros;
-use crate::sparse::{Factor, Inverse, Mass, Shifted, Shifts, Symbolic, multiply, select};
-
-/// Columns of a coupling that are solved together.
-const COLUMNS: usize = 64;
+use super::exchange::{Rows, gather_lists};
+use super::moves::Moves;
+use super::spread::gather_matrix;
+use crate::base::{Par, Result, reserved, zeros};
+use crate::sparse::{Factor, Inverse, Mass, Shifted, Shifts, Symbolic};
 
 /// The shifts of a pencil whose rows, and whose elimination, are distributed. With A the matrix, i
 /// the rows of this rank's domain and s those of the interface, a factorization is one of `A_ii` on
@@ -27,101 +24,139 @@ const COLUMNS: usize = 64;
 /// for a surface of n vertices on P ranks.
 pub(super) struct SpreadShifts<'c> {
     call: &'c Call<'c>,
-    par: Par,
-    /// For each rank, which of this rank's rows are in its domain.
-    outgoing: Vec<Vec<usize>>,
-    /// For each rank, which rows of this rank's domain it has.
-    incoming: Vec<Range<usize>>,
-    /// Rows of this rank that are in the interface, and their places there.
-    own_interface: Vec<(usize, usize)>,
-    inner: DiagonalBlock,
+    /// The rows of this rank's domain, which are its first ones, and then, as a border without
+    /// entries of its own, the rows of the interface that touch them.
+    inner: Block,
+    inner_len: usize,
     symbolic: Symbolic,
-    /// `A_si`, of the rows of the interface that touch this rank's domain.
-    coupling: Coupling,
     interface: Interface,
 }
 
-/// A diagonal block of the pencil.
-struct DiagonalBlock {
+/// A square block of the pencil.
+struct Block {
     stiffness: CsMat<f64>,
     mass: Mass,
 }
 
-impl DiagonalBlock {
+impl Block {
     fn shifted(&self) -> Shifted<'_> {
         Shifted::new(self.stiffness.view(), &self.mass)
     }
 }
 
-/// An off-diagonal block of the pencil.
-struct Coupling {
-    stiffness: CsMat<f64>,
-    mass: Option<CsMat<f64>>,
+/// The rows of the interface, in the order of the ranks that have them.
+struct Numbers<'m> {
+    moves: &'m Moves,
+    /// The first one of each rank.
+    starts: Vec<usize>,
 }
 
-impl Coupling {
-    /// Returns `W - sigma M` of this block.
-    fn shifted(&self, sigma: f64) -> CsMat<f64> {
-        match &self.mass {
-            None => self.stiffness.clone(),
-            Some(mass) => &self.stiffness + &mass.map(|m| -sigma * m),
+impl<'m> Numbers<'m> {
+    fn new(moves: &'m Moves) -> Self {
+        let mut starts = vec![0];
+        for (rank, inner) in moves.inner.iter().enumerate() {
+            starts.push(starts[rank] + moves.rows.of(rank).len() - inner);
         }
+        Self { moves, starts }
+    }
+
+    /// Returns the number in the interface of a row that is in it.
+    fn of(&self, row: usize) -> Option<usize> {
+        let rank = self.moves.rows.holder(row);
+        let inside = row - self.moves.rows.of(rank).start;
+        inside.checked_sub(self.moves.inner[rank]).map(|i| self.starts[rank] + i)
+    }
+
+    /// Returns the numbers of the rows that a rank has.
+    fn of_rank(&self, rank: usize) -> Range<usize> {
+        self.starts[rank]..self.starts[rank + 1]
+    }
+
+    /// Returns the number of rows in the interface.
+    fn count(&self) -> usize {
+        self.starts[self.starts.len() - 1]
     }
 }
 
+/// Returns some rows of a matrix with the columns that have a place, at these places, ascending,
+/// and then `empty` rows without entries.
+fn select(
+    matrix: CsMatView<'_, f64>,
+    rows: Range<usize>,
+    empty: usize,
+    columns: usize,
+    place: impl Fn(usize) -> Option<usize>,
+) -> Result<CsMat<f64>> {
+    let count = rows.len() + empty;
+    let (mut starts, mut places) = (reserved(count + 1)?, reserved(matrix.nnz())?);
+    let mut entries = reserved(matrix.nnz())?;
+    starts.push(0);
+    let mut sorted: Vec<(usize, f64)> = Vec::new();
+    for i in rows {
+        sorted.clear();
+        let row = matrix.outer_view(i).expect("a row of the matrix");
+        sorted.extend(row.iter().filter_map(|(j, &x)| place(j).map(|place| (place, x))));
+        sorted.sort_unstable_by_key(|&(place, _)| place);
+        places.extend(sorted.iter().map(|&(place, _)| place));
+        entries.extend(sorted.iter().map(|&(_, x)| x));
+        starts.push(places.len());
+    }
+    starts.resize(count + 1, places.len());
+    Ok(CsMat::new((count, columns), starts, places, entries))
+}
+
 impl<'c> SpreadShifts<'c> {
-    /// Distributes the pencil, given with all rows, for factorizations by ranks that have `rows`.
+    /// Analyses the pencil, of which this rank has these rows, for factorizations.
     pub fn new(
         call: &'c Call<'c>,
-        rows: &Rows,
+        moves: &Moves,
         stiffness: CsMatView<'_, f64>,
         mass: &Mass,
-        par: Par,
     ) -> Result<Self> {
-        let mut matrices = vec![stiffness];
-        if let Mass::Full(matrix) = mass {
-            matrices.push(matrix.view());
-        }
         let rank = call.world.rank();
-        let Domains { inner, interface } = Domains::new(&matrices, rows.ranks());
-        let own = rows.own();
-        let held = |set: &[usize], span: Range<usize>| {
-            set.partition_point(|&i| i < span.start)..set.partition_point(|&i| i < span.end)
+        let (own, inner_len) = (moves.rows.own(), moves.inner[rank]);
+        let domain = own.start..own.start + inner_len;
+        let numbers = Numbers::new(moves);
+        let mut touching: Vec<usize> = Vec::new();
+        let mut touch = |matrix: CsMatView<'_, f64>| {
+            for i in 0..inner_len {
+                let row = matrix.outer_view(i).expect("a row of this rank");
+                let others = row.indices().iter().filter(|&&j| !domain.contains(&j));
+                touching.extend(others.filter_map(|&j| numbers.of(j)));
+            }
         };
-        let mine = |set: &[usize]| -> Vec<usize> {
-            set[held(set, own.clone())].iter().map(|&i| i - own.start).collect()
+        touch(stiffness);
+        if let Mass::Full(matrix) = mass {
+            touch(matrix.view());
+        }
+        touching.sort_unstable();
+        touching.dedup();
+        let place = |j: usize| match j.checked_sub(own.start) {
+            Some(i) if i < inner_len => Some(i),
+            _ => {
+                let number = numbers.of(j)?;
+                touching.binary_search(&number).ok().map(|border| inner_len + border)
+            }
         };
-        let outgoing = inner.iter().map(|domain| mine(domain)).collect();
-        let incoming = (0..rows.ranks()).map(|from| held(&inner[rank], rows.of(from))).collect();
-        let places = held(&interface, own.clone());
-        let own_interface = mine(&interface).into_iter().zip(places).collect();
-        let place = Places::new(stiffness.rows(), &interface);
-        let touching: Vec<_> =
-            inner.iter().map(|domain| place.touched(&matrices, domain)).collect();
-        let touched: Vec<usize> = touching[rank].iter().map(|&s| interface[s]).collect();
-        let place_inner = Places::new(stiffness.rows(), &inner[rank]);
-        let coupling = Coupling {
-            stiffness: place_inner.select(stiffness, &touched),
-            mass: match mass {
-                Mass::Lumped(_) => None,
-                Mass::Full(matrix) => Some(place_inner.select(matrix.view(), &touched)),
-            },
-        };
-        let inner = place_inner.block(stiffness, mass, &inner[rank]);
-        let symbolic = call.meet(Symbolic::new(inner.shifted().symbolic()))?;
-        let interface = Interface::new(place.block(stiffness, mass, &interface), &touching, rank);
-        let interface = call.meet(interface)?;
-        Ok(Self {
-            call,
-            par,
-            outgoing,
-            incoming,
-            own_interface,
-            inner,
-            symbolic,
-            coupling,
-            interface,
-        })
+        let border = touching.len();
+        let bordered = |matrix| select(matrix, 0..inner_len, border, inner_len + border, place);
+        let inner = (|| {
+            let mass = match mass {
+                Mass::Full(matrix) => Mass::Full(bordered(matrix.view())?),
+                Mass::Lumped(masses) => {
+                    let mut inner = reserved(inner_len + border)?;
+                    inner.extend_from_slice(&masses[..inner_len]);
+                    inner.resize(inner_len + border, 0.0);
+                    Mass::Lumped(inner)
+                }
+            };
+            let inner = Block { stiffness: bordered(stiffness)?, mass };
+            let symbolic = Symbolic::bordered(inner.shifted().symbolic(), border)?;
+            Ok((inner, symbolic))
+        })();
+        let (inner, symbolic) = call.meet(inner)?;
+        let interface = Interface::new(call, &numbers, touching, stiffness, mass)?;
+        Ok(Self { call, inner, inner_len, symbolic, interface })
     }
 
     /// Factorizes, with pivots or for a positive definite matrix; `None` if it is not that.
@@ -142,19 +177,12 @@ impl<'c> SpreadShifts<'c> {
         }
         self.call.sum(found.as_mut())?;
         let (Some(inner), 0.0) = (inner, found[(0, 0)]) else { return Ok(None) };
-        let coupling = self.coupling.shifted(sigma);
-        let transposed = coupling.transpose_view().to_csr();
-        let mut factor = SpreadFactor {
-            shifts: self,
-            inner,
-            coupling,
-            transposed,
-            interface: None,
-            below_zero: found[(2, 0)] as usize,
-            pivots,
-        };
+        let below_zero = found[(2, 0)] as usize;
+        let mut factor = SpreadFactor { shifts: self, inner, interface: None, below_zero, pivots };
         if found[(1, 0)] == 0.0 {
-            let mut entries = self.call.meet(factor.complement(sigma, self.par))?;
+            let entries = self.symbolic.complement(&factor.inner);
+            let entries = entries.and_then(|own| self.interface.entries(sigma, &own));
+            let mut entries = self.call.meet(entries)?;
             self.call.world.sum(&mut entries);
             let Interface { symbolic, places, .. } = &self.interface;
             let interface = factorize(symbolic, places.matrix(&entries), pivots);
@@ -180,7 +208,9 @@ fn factorize(
 
 /// What all ranks know about the interface, and this rank about its own part of it.
 struct Interface {
-    block: DiagonalBlock,
+    block: Block,
+    /// Those of its rows that this rank has, which are its last ones.
+    own: Range<usize>,
     /// The rows that touch this rank's domain.
     touching: Vec<usize>,
     /// Whether this rank adds `A_ss` to the sum that is S.
@@ -190,16 +220,81 @@ struct Interface {
 }
 
 impl Interface {
-    /// Creates the interface from its block of the pencil and the rows that touch each domain,
-    /// ascending.
-    fn new(block: DiagonalBlock, touching: &[Vec<usize>], rank: usize) -> Result<Self> {
+    /// Creates the interface from this rank's rows of the pencil and those rows of the interface
+    /// that touch its domain, ascending.
+    fn new(
+        call: &Call<'_>,
+        numbers: &Numbers<'_>,
+        touching: Vec<usize>,
+        stiffness: CsMatView<'_, f64>,
+        mass: &Mass,
+    ) -> Result<Self> {
+        let rank = call.world.rank();
+        let (own, n) = (numbers.of_rank(rank), numbers.count());
+        let rows = Rows::new(call, own.len())?;
+        let gather = |matrix: CsMatView<'_, f64>| {
+            let last = matrix.rows() - own.len()..matrix.rows();
+            let part = call.meet(select(matrix, last, 0, n, |j| numbers.of(j)))?;
+            gather_matrix(call, &rows, part.view())
+        };
+        let block = Block {
+            stiffness: gather(stiffness)?,
+            mass: match mass {
+                Mass::Full(matrix) => Mass::Full(gather(matrix.view())?),
+                Mass::Lumped(masses) => {
+                    let own = &masses[masses.len() - own.len()..];
+                    Mass::Lumped(gather_lists(call, own)?.0)
+                }
+            },
+        };
+        let as_numbers: Vec<f64> = touching.iter().map(|&s| s as f64).collect();
+        let (all, spans) = gather_lists(call, &as_numbers)?;
+        let of_rank =
+            |span: Range<usize>| -> Vec<usize> { all[span].iter().map(|&s| s as usize).collect() };
+        let touching_all: Vec<Vec<usize>> = spans.into_iter().map(of_rank).collect();
+        let places = LowerPlaces::new(&block, &touching_all);
+        let symbolic = call.meet(Symbolic::new(places.symbolic()))?;
+        Ok(Self { block, own, touching, begins: rank == 0, places, symbolic })
+    }
+
+    /// Returns what this rank adds to the entries of S, given its [`Symbolic::complement`].
+    fn entries(&self, sigma: f64, complement: &[f64]) -> Result<Vec<f64>> {
+        let Self { block, touching, places, .. } = self;
+        let mut entries = zeros(places.rows.len())?;
+        if self.begins {
+            let shifted = block.shifted();
+            let (symbolic, values) = (shifted.symbolic(), shifted.values(sigma));
+            for j in 0..shifted.len() {
+                let rows = symbolic.row_idx_of_col_raw(j).iter().copied();
+                let values = values[symbolic.col_range(j)].iter().copied();
+                places.add(&mut entries, j, rows.zip(values));
+            }
+        }
+        for (t, column) in complement.chunks_exact(touching.len().max(1)).enumerate() {
+            let below = (t..touching.len()).map(|u| (touching[u], column[u]));
+            places.add(&mut entries, touching[t], below);
+        }
+        Ok(entries)
+    }
+}
+
+/// The pattern of a lower triangle by columns, ascending.
+struct LowerPlaces {
+    starts: Vec<usize>,
+    rows: Vec<usize>,
+}
+
+impl LowerPlaces {
+    /// Finds the places of S from the block of the interface and the rows of it that touch each
+    /// domain, ascending.
+    fn new(block: &Block, touching: &[Vec<usize>]) -> Self {
         let n = block.stiffness.rows();
         let mut domains = vec![vec![]; n];
         for (domain, rows) in touching.iter().enumerate() {
             rows.iter().for_each(|&s| domains[s].push(domain));
         }
         let shifted = block.shifted();
-        let mut places = LowerPlaces { starts: vec![0], rows: vec![] };
+        let mut places = Self { starts: vec![0], rows: vec![] };
         for (j, domains) in domains.iter().enumerate() {
             let mut rows = shifted.symbolic().row_idx_of_col_raw(j).to_vec();
             for &domain in domains {
@@ -211,19 +306,9 @@ impl Interface {
             places.rows.extend(rows);
             places.starts.push(places.rows.len());
         }
-        drop(shifted);
-        let symbolic = Symbolic::new(places.symbolic())?;
-        Ok(Self { block, touching: touching[rank].clone(), begins: rank == 0, places, symbolic })
+        places
     }
-}
 
-/// The pattern of a lower triangle by columns, ascending.
-struct LowerPlaces {
-    starts: Vec<usize>,
-    rows: Vec<usize>,
-}
-
-impl LowerPlaces {
     fn symbolic(&self) -> SymbolicSparseColMatRef<'_, usize> {
         let n = self.starts.len() - 1;
         SymbolicSparseColMatRef::new_checked(n, n, &self.starts, None, &self.rows)
@@ -266,126 +351,45 @@ impl Shifts for SpreadShifts<'_> {
 struct SpreadFactor<'s> {
     shifts: &'s SpreadShifts<'s>,
     inner: Factor,
-    /// `A_si` and `A_is`.
-    coupling: CsMat<f64>,
-    transposed: CsMat<f64>,
     /// `None` if the matrix of a domain is singular.
     interface: Option<Factor>,
     below_zero: usize,
     pivots: bool,
 }
 
-impl SpreadFactor<'_> {
-    /// Returns what this rank adds to the entries of S.
-    fn complement(&self, sigma: f64, par: Par) -> Result<Vec<f64>> {
-        let Interface { block, touching, begins, places, .. } = &self.shifts.interface;
-        let mut entries = crate::base::zeros(places.rows.len())?;
-        if *begins {
-            let shifted = block.shifted();
-            let (symbolic, values) = (shifted.symbolic(), shifted.values(sigma));
-            for j in 0..shifted.len() {
-                let rows = symbolic.row_idx_of_col_raw(j).iter().copied();
-                let values = values[symbolic.col_range(j)].iter().copied();
-                places.add(&mut entries, j, rows.zip(values));
-            }
-        }
-        let (len, width) = (self.inner_len(), COLUMNS.min(touching.len()));
-        let (mut solved, mut product) = (zeros(len, width)?, zeros(touching.len(), width)?);
-        for (chunk, columns) in touching.chunks(COLUMNS).enumerate() {
-            let first = chunk * COLUMNS;
-            let mut solved = solved.as_mut().subcols_mut(0, columns.len());
-            solved.fill(0.0);
-            for j in 0..columns.len() {
-                let column = self.coupling.outer_view(first + j).expect("a row of the coupling");
-                column.iter().for_each(|(i, &x)| solved[(i, j)] = x);
-            }
-            self.inner.solve(solved.rb_mut(), par)?;
-            let mut product = product.as_mut().subcols_mut(0, columns.len());
-            multiply(self.coupling.view(), solved.as_ref(), product.rb_mut(), par)?;
-            for (j, &column) in columns.iter().enumerate() {
-                let below = (first + j..touching.len()).map(|t| (touching[t], -product[(t, j)]));
-                places.add(&mut entries, column, below);
-            }
-        }
-        Ok(entries)
-    }
-
-    /// Returns the rows of X in this rank's domain, from the ranks that have them.
-    fn collect(&self, x: MatRef<'_, f64>) -> Result<Mat<f64>> {
-        let shifts = self.shifts;
-        let of = |rows: &Vec<usize>| {
-            x.col_iter().flat_map(|x| rows.iter().map(move |&i| x[i])).collect()
-        };
-        let outgoing = shifts.outgoing.iter().map(of).collect();
-        let lens: Vec<usize> = shifts.incoming.iter().map(|span| span.len() * x.ncols()).collect();
-        let mut inner = shifts.call.meet(zeros(self.inner_len(), x.ncols()))?;
-        for (span, entries) in shifts.incoming.iter().zip(exchange(shifts.call, outgoing, &lens)?) {
-            for (j, column) in entries.chunks_exact(span.len().max(1)).enumerate() {
-                let inner = inner.as_mut().col_mut(j).subrows_mut(span.start, span.len());
-                inner.iter_mut().zip(column).for_each(|(to, &from)| *to = from);
-            }
-        }
-        Ok(inner)
-    }
-
-    /// Undoes [`SpreadFactor::collect`].
-    fn hand_back(&self, inner: MatRef<'_, f64>, mut x: MatMut<'_, f64>) -> Result<()> {
-        let shifts = self.shifts;
-        let of = |span: &Range<usize>| {
-            let rows = inner.subrows(span.start, span.len());
-            rows.col_iter().flat_map(|column| column.iter().copied().collect::<Vec<_>>()).collect()
-        };
-        let outgoing = shifts.incoming.iter().map(of).collect();
-        let lens: Vec<usize> = shifts.outgoing.iter().map(|rows| rows.len() * x.ncols()).collect();
-        for (rows, entries) in shifts.outgoing.iter().zip(exchange(shifts.call, outgoing, &lens)?) {
-            for (j, column) in entries.chunks_exact(rows.len().max(1)).enumerate() {
-                rows.iter().zip(column).for_each(|(&i, &entry)| x[(i, j)] = entry);
-            }
-        }
-        Ok(())
-    }
-
-    /// Returns the number of rows of this rank's domain.
-    fn inner_len(&self) -> usize {
-        self.transposed.rows()
-    }
-}
-
 impl Inverse for SpreadFactor<'_> {
     /// Computes, with `b` for X: `x_s = S^-1 (b_s - sum of A_si A_ii^-1 b_i)`, `x_i = A_ii^-1 (b_i
-    /// - A_is x_s)`.
-    fn solve(&self, mut x: MatMut<'_, f64>, par: Par) -> Result<()> {
-        let SpreadShifts { call, own_interface, interface, .. } = self.shifts;
-        let (touching, width) = (&interface.touching, x.ncols());
-        let mut inner = self.collect(x.as_ref())?;
-        let own = (|| {
-            let mut solved = inner.clone();
-            self.inner.solve(solved.as_mut(), par)?;
-            let mut product = zeros(touching.len(), width)?;
-            multiply(self.coupling.view(), solved.as_ref(), product.as_mut(), par)?;
-            let mut right = zeros(interface.block.stiffness.rows(), width)?;
+    /// - A_is x_s)`, in one sweep down the factor of the domain, one sum over the ranks, and one
+    /// sweep up.
+    fn solve(&self, x: MatMut<'_, f64>, par: Par) -> Result<()> {
+        /// Columns that are solved for together, as rows of eight numbers.
+        const WIDTH: usize = 8;
+        let SpreadShifts { call, inner_len, interface, .. } = self.shifts;
+        let Interface { own, touching, .. } = interface;
+        let factor = self.interface.as_ref().expect("nobody solves with a singular matrix");
+        let (inner, mut last) = x.split_at_row_mut(*inner_len);
+        let mut first = 0;
+        let mut between = |width: usize, border: &mut [[f64; WIDTH]]| -> Result<()> {
+            let right = zeros::<f64>(interface.block.stiffness.rows() * WIDTH);
+            let mut right = call.meet(right)?;
+            let (rows, _) = right.as_chunks_mut::<WIDTH>();
             for j in 0..width {
-                own_interface.iter().for_each(|&(i, s)| right[(s, j)] = x[(i, j)]);
-                touching.iter().enumerate().for_each(|(t, &s)| right[(s, j)] -= product[(t, j)]);
+                own.clone().enumerate().for_each(|(i, s)| rows[s][j] = last[(i, first + j)]);
+                border.iter().zip(touching).for_each(|(row, &s)| rows[s][j] += row[j]);
             }
-            Ok(right)
-        })();
-        let mut between = call.meet(own)?;
-        call.sum(between.as_mut())?;
-        let done = (|| {
-            let factor = self.interface.as_ref().expect("nobody solves with a singular matrix");
-            factor.solve(between.as_mut(), par)?;
-            let near = Mat::from_fn(touching.len(), width, |t, j| between[(touching[t], j)]);
-            let mut product = zeros(self.inner_len(), width)?;
-            multiply(self.transposed.view(), near.as_ref(), product.as_mut(), par)?;
-            inner -= product;
-            self.inner.solve(inner.as_mut(), par)
-        })();
-        call.meet(done)?;
-        for j in 0..width {
-            own_interface.iter().for_each(|&(i, s)| x[(i, j)] = between[(s, j)]);
-        }
-        self.hand_back(inner.as_ref(), x)
+            call.world.sum(&mut right);
+            let n = right.len() / WIDTH;
+            let mut solved = MatMut::from_row_major_slice_mut(&mut right, n, WIDTH);
+            factor.solve(solved.rb_mut(), par)?;
+            let (rows, _) = right.as_chunks::<WIDTH>();
+            border.iter_mut().zip(touching).for_each(|(row, &s)| *row = rows[s]);
+            for j in 0..width {
+                own.clone().enumerate().for_each(|(i, s)| last[(i, first + j)] = rows[s][j]);
+            }
+            first += width;
+            Ok(())
+        };
+        self.inner.solve_around(inner, &mut between, par)
     }
 
     fn below_zero(&self) -> usize {
@@ -398,46 +402,5 @@ impl Inverse for SpreadFactor<'_> {
 
     fn is_finite(&self) -> bool {
         self.interface.as_ref().is_some_and(Inverse::is_finite)
-    }
-}
-
-/// The places of rows in an ascending list of some of them.
-struct Places {
-    place: Vec<Option<usize>>,
-    len: usize,
-}
-
-impl Places {
-    /// Creates the places of these of n rows.
-    fn new(n: usize, rows: &[usize]) -> Self {
-        let mut place = vec![None; n];
-        rows.iter().enumerate().for_each(|(p, &i)| place[i] = Some(p));
-        Self { place, len: rows.len() }
-    }
-
-    /// Returns the places in which these rows of the matrices have entries, ascending.
-    fn touched(&self, matrices: &[CsMatView<'_, f64>], rows: &[usize]) -> Vec<usize> {
-        let of_row = |&i: &usize| {
-            let rows = matrices.iter().filter_map(move |matrix| matrix.outer_view(i));
-            rows.flat_map(|row| row.indices().to_vec()).filter_map(|j| self.place[j])
-        };
-        let mut places: Vec<usize> = rows.iter().flat_map(of_row).collect();
-        places.sort_unstable();
-        places.dedup();
-        places
-    }
-
-    /// Returns these rows of a matrix, with the columns that have places.
-    fn select(&self, matrix: CsMatView<'_, f64>, rows: &[usize]) -> CsMat<f64> {
-        select(matrix, rows, &self.place, self.len)
-    }
-
-    /// Returns the block of these rows, which are those that have places.
-    fn block(&self, stiffness: CsMatView<'_, f64>, mass: &Mass, rows: &[usize]) -> DiagonalBlock {
-        let mass = match mass {
-            Mass::Lumped(masses) => Mass::Lumped(rows.iter().map(|&i| masses[i]).collect()),
-            Mass::Full(matrix) => Mass::Full(self.select(matrix.view(), rows)),
-        };
-        DiagonalBlock { stiffness: self.select(stiffness, rows), mass }
     }
 }

@@ -3,6 +3,7 @@
 mod bricks;
 mod call;
 mod columns;
+mod components;
 mod cyclic;
 mod deal;
 mod digits;
@@ -13,6 +14,7 @@ mod factor;
 mod form;
 mod gram;
 mod memory;
+mod moves;
 mod node;
 mod ortho;
 mod pairs;

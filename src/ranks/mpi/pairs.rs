@@ -45,6 +45,26 @@ pub(super) trait Pairs<T: MpiReal> {
     }
 }
 
+/// Sums the products of the pairs that meet on this rank, of which `part` is some columns of some
+/// rows of A: the columns travel among the ranks of `blocks`, of which that of block 0 is `first`,
+/// to the `sums` of no rows. All ranks call this function; `None` for a rank outside of blocks.
+pub(super) fn summed<T: MpiReal, P: Pairs<T>>(
+    world: &World,
+    place: Option<(usize, &Blocks)>,
+    part: MatRef<'_, T>,
+    sums: impl FnOnce() -> Result<P>,
+    options: &AtaOptions<'_>,
+) -> Result<Option<P>> {
+    let prepared = place
+        .map(|(first, blocks)| Ok((Exchange::new(world, first, blocks, part)?, sums()?)))
+        .transpose();
+    let done = world.agree(prepared)?.map(|(mut exchange, mut pairs)| {
+        pairs.add_all(&mut exchange, options)?;
+        Ok(pairs)
+    });
+    world.agree(done.transpose())
+}
+
 /// Sums in floating point, alpha times.
 pub(super) struct FloatPairs<T> {
     alpha: T,

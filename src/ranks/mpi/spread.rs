@@ -126,6 +126,14 @@ impl<'c> SpreadMass<'c> {
         };
         Ok(Self { call, rows, own })
     }
+
+    /// Returns the matrix, if the mass is full.
+    pub fn matrix(&self) -> Option<&SpreadMatrix> {
+        match &self.own {
+            Own::Lumped(_) => None,
+            Own::Full(matrix) => Some(matrix),
+        }
+    }
 }
 
 impl InnerSpace for SpreadMass<'_> {
@@ -190,15 +198,57 @@ pub(super) fn check_mass_shape(mass: &Mass, rows: &Rows) -> Result<()> {
     }
 }
 
-/// Checks a distributed mass as [`Mass::check`] does, each entry on the rank that has its mirror
-/// image.
+/// Checks a distributed mass as [`Mass::check`] does.
 pub(super) fn check_mass(call: &Call<'_>, rows: &Rows, mass: &Mass) -> Result<()> {
     call.meet(check_mass_shape(mass, rows))?;
     let matrix = match mass {
         Mass::Lumped(masses) => return mass.check(masses.len()),
         Mass::Full(matrix) => matrix,
     };
-    let what = "mass";
+    let own = rows.own();
+    for i in 0..own.len() {
+        let at = matrix.get(i, own.start + i).copied().unwrap_or(0.0);
+        // Those that are no numbers are found below.
+        if at <= 0.0 {
+            let why = format!("must be positive, but entry {} is {at:e}", own.start + i);
+            return Err(Error::Argument { what: "mass", why });
+        }
+    }
+    check_symmetric(call, rows, "mass", matrix.view())
+}
+
+/// Checks the matrices of a pencil as [`crate::sparse::eigs()`] does; the rows that errors name are
+/// those of all ranks.
+pub(super) fn check_pencil(
+    call: &Call<'_>,
+    rows: &Rows,
+    stiffness: CsMatView<'_, f64>,
+    mass: &Mass,
+) -> Result<()> {
+    check_symmetric(call, rows, "stiffness", stiffness)?;
+    let Mass::Lumped(masses) = mass else { return check_mass(call, rows, mass) };
+    let first = rows.own().start;
+    match mass.check(masses.len()) {
+        Err(Error::NonFinite { what, index: (i, j) }) => {
+            Err(Error::NonFinite { what, index: (first + i, j) })
+        }
+        Err(Error::Argument { what, .. }) => {
+            let i = masses.iter().position(|mass| *mass <= 0.0).unwrap_or(0);
+            let why = format!("must be positive, but entry {} is {:e}", first + i, masses[i]);
+            Err(Error::Argument { what, why })
+        }
+        other => other,
+    }
+}
+
+/// Checks that a matrix with distributed rows is finite and symmetric, each entry on the rank that
+/// has its mirror image; errors name `what` and the entry, its row first.
+fn check_symmetric(
+    call: &Call<'_>,
+    rows: &Rows,
+    what: &'static str,
+    matrix: CsMatView<'_, f64>,
+) -> Result<()> {
     let own = rows.own();
     let mut diagonal = vec![0.0; own.len()];
     for (i, row) in (own.start..).zip(matrix.outer_iterator()) {
@@ -207,19 +257,23 @@ pub(super) fn check_mass(call: &Call<'_>, rows: &Rows, mass: &Mass) -> Result<()
                 return Err(Error::NonFinite { what, index: (i, j) });
             }
             if i == j {
-                diagonal[i - own.start] = x;
+                diagonal[i - own.start] = x.abs();
             }
         }
     }
-    if let Some(i) = diagonal.iter().position(|x| *x <= 0.0) {
-        let why = format!("must be positive, but entry {} is {:e}", own.start + i, diagonal[i]);
-        return Err(Error::Argument { what, why });
-    }
+    let check = |(i, j): (usize, usize), x: f64, at_i: f64| {
+        let row = matrix.outer_view(j - own.start);
+        let mirrored = row.and_then(|row| row.get(i).copied()).unwrap_or(0.0);
+        check_mirrored(what, (i, j), [x, mirrored], [at_i, diagonal[j - own.start]])
+    };
     let mut outgoing = vec![Vec::new(); rows.ranks()];
     for (i, row) in (own.start..).zip(matrix.outer_iterator()) {
         for (j, &x) in row.iter().filter(|&(j, _)| j != i) {
-            let image = [i as f64, j as f64, x, diagonal[i - own.start]];
-            outgoing[rows.holder(j)].extend(image);
+            let at_i = diagonal[i - own.start];
+            match own.contains(&j) {
+                true => check((i, j), x, at_i)?,
+                false => outgoing[rows.holder(j)].extend([i as f64, j as f64, x, at_i]),
+            }
         }
     }
     let counts: Vec<usize> = outgoing.iter().map(Vec::len).collect();
@@ -227,10 +281,7 @@ pub(super) fn check_mass(call: &Call<'_>, rows: &Rows, mass: &Mass) -> Result<()
     for images in exchange(call, outgoing, &lens)? {
         let (images, _) = images.as_chunks::<4>();
         for &[i, j, x, at_i] in images {
-            let (i, j) = (i as usize, j as usize);
-            let row = matrix.outer_view(j - own.start);
-            let mirrored = row.and_then(|row| row.get(i).copied()).unwrap_or(0.0);
-            check_mirrored(what, (i, j), [x, mirrored], [at_i, diagonal[j - own.start]])?;
+            check((i as usize, j as usize), x, at_i)?;
         }
     }
     Ok(())

@@ -19,6 +19,25 @@ impl Weighted {
         Ok(Self { graph, edges: Vec::new(), vertices })
     }
 
+    /// Reads the first n vertices, their edges and the weights of both from rows of a matrix, n x n
+    /// or wider; entries on the diagonal and beyond column n are ignored.
+    #[cfg(any(feature = "mpi", test))]
+    pub fn of_rows(rows: sprs::CsMatView<'_, f64>, vertices: &[f64]) -> Result<Self> {
+        let n = rows.rows();
+        let mut found = Self::with_room(n)?;
+        found.vertices.extend(vertices.iter().map(|&weight| weight as u32));
+        found.graph.neighbours = reserved(rows.nnz())?;
+        found.edges = reserved(rows.nnz())?;
+        for (v, row) in rows.outer_iterator().enumerate() {
+            for (other, &weight) in row.iter().filter(|&(other, _)| other < n && other != v) {
+                found.graph.neighbours.push(other as u32);
+                found.edges.push(weight as u32);
+            }
+            found.graph.starts.push(found.edges.len());
+        }
+        Ok(found)
+    }
+
     /// Returns a graph without vertices, to which `n` can be added.
     fn with_room(n: usize) -> Result<Self> {
         let mut starts = reserved(n + 1)?;
@@ -40,9 +59,16 @@ impl Weighted {
     }
 
     /// Returns a graph in which pairs of neighbours are one vertex, and the vertex that each one
-    /// becomes. Vertices choose their partners in a random order, or in their own one, in which
-    /// memory is read faster.
+    /// becomes, as [`Weighted::paired`] chooses them.
     pub fn coarser(&self, rng: Option<&mut Rng>) -> Result<(Self, Vec<u32>)> {
+        let (pairs, into) = self.paired(rng)?;
+        Ok((self.contracted(&pairs, &into)?, into))
+    }
+
+    /// Returns pairs of neighbours, both the same vertex where no neighbour is left, and the pair
+    /// of each vertex. Vertices choose their partners in a random order, or in their own one, in
+    /// which memory is read faster.
+    pub fn paired(&self, rng: Option<&mut Rng>) -> Result<(Vec<[u32; 2]>, Vec<u32>)> {
         let n = self.graph.n();
         let mut order: Vec<u32> = reserved(n)?;
         order.extend(0..n as u32);
@@ -69,7 +95,7 @@ impl Weighted {
             pairs.push([v, best.1]);
             looks.add(self.graph.degree(v as usize))?;
         }
-        Ok((self.contracted(&pairs, &into)?, into))
+        Ok((pairs, into))
     }
 
     /// Returns the graph in which the pairs, of which the vertices are `into`, are one vertex each;

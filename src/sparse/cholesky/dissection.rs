@@ -25,8 +25,8 @@ const LARGE: usize = 300_000;
 /// Rounds in which vertices at the border of parts move.
 const ROUNDS: usize = 4;
 
-/// Most weight of a part, relative to the mean.
-const HEAVIEST: f64 = 1.2;
+/// How much heavier than the mean a part may be, relative to it.
+const SLACK: f64 = 0.2;
 
 /// Returns the stages in which vertices should be eliminated: those of the parts of a graph, and
 /// then those that separate them. `None` for graphs that are not large enough, and for those that
@@ -37,19 +37,21 @@ pub(super) fn dissected(graph: &Graph) -> Result<Option<Lists>> {
         return Ok(None);
     }
     let depth = (n / PART).ilog2().min(DEEPEST);
-    let Some(part) = parts(graph, depth)? else { return Ok(None) };
+    let weighted = Weighted::new(graph.clone())?;
+    let Some(part) = parts(weighted, depth, SLACK)? else { return Ok(None) };
     let stages = separated(graph, &part, depth)?;
     let separators = n - stages.starts[1 << depth] as usize;
     Ok((separators <= n / 4).then_some(stages))
 }
 
 /// Returns the part of each vertex, of `2^depth`. Bits of its number, from the highest one, are the
-/// halves that it is in. `None` where graphs do not become coarse enough, for too few of their
-/// vertices have neighbours that are left for them.
-fn parts(graph: &Graph, depth: u32) -> Result<Option<Vec<u32>>> {
+/// halves that it is in. A half has at most `1 + slack` times half of the weight. `None` where
+/// graphs do not become coarse enough, for too few of their vertices have neighbours that are left
+/// for them.
+pub(super) fn parts(graph: Weighted, depth: u32, slack: f64) -> Result<Option<Vec<u32>>> {
     let mut rng = Rng::new(1);
     let mut levels = Vec::new();
-    let mut coarsest = Weighted::new(graph.clone())?;
+    let mut coarsest = graph;
     while coarsest.graph.n() > COARSEST << depth {
         let n = coarsest.graph.n();
         let (coarser, into) = coarsest.coarser((n <= LARGE).then_some(&mut rng))?;
@@ -65,18 +67,18 @@ fn parts(graph: &Graph, depth: u32) -> Result<Option<Vec<u32>>> {
         let members = Lists::sorted(&part, 1 << level)?;
         for k in 0..members.len() {
             let members = members.of(k);
-            let half = halved(&coarsest.of(members, &mut place)?, &mut rng)?;
+            let half = halved(&coarsest.of(members, &mut place)?, slack, &mut rng)?;
             for (&v, is_second) in members.iter().zip(half) {
                 part[v as usize] = 2 * k as u32 + u32::from(is_second);
             }
         }
     }
-    refine(&coarsest, &mut part, depth)?;
+    refine(&coarsest, &mut part, depth, slack)?;
     while let Some((finer, into)) = levels.pop() {
         let mut finer_part = reserved(into.len())?;
         finer_part.extend(into.iter().map(|&c| part[c as usize]));
         part = finer_part;
-        refine(&finer, &mut part, depth)?;
+        refine(&finer, &mut part, depth, slack)?;
     }
     Ok(Some(part))
 }
@@ -89,13 +91,13 @@ fn height(part: u32, other: u32) -> u32 {
 
 /// Moves vertices at the borders of parts to other parts, where that leaves fewer edges between
 /// parts, or larger separators would be the result otherwise.
-fn refine(graph: &Weighted, part: &mut [u32], depth: u32) -> Result<()> {
+fn refine(graph: &Weighted, part: &mut [u32], depth: u32, slack: f64) -> Result<()> {
     let n = graph.graph.n();
     let mut weights = repeated(0u64, 1 << depth)?;
     for v in 0..n {
         weights[part[v] as usize] += u64::from(graph.vertices[v]);
     }
-    let most = (HEAVIEST * graph.total() as f64) as u64 >> depth;
+    let most = ((1.0 + slack) * graph.total() as f64) as u64 >> depth;
     let mut near: Vec<(u32, u32)> = Vec::new();
     let mut looks = Looks::default();
     for _ in 0..ROUNDS {
@@ -139,30 +141,52 @@ fn refine(graph: &Weighted, part: &mut [u32], depth: u32) -> Result<()> {
 /// Returns the stages of elimination: one for each part, and one for each halving, from the last to
 /// the first, of the fewest vertices without which no edges are between the halves.
 fn separated(graph: &Graph, part: &[u32], depth: u32) -> Result<Lists> {
-    let mut stage = reserved(part.len())?;
-    stage.extend_from_slice(part);
-    let parts = 1u32 << depth;
-    // Edges by the halving that cuts them, from the first half to the second.
-    let mut cut: Vec<Vec<[u32; 2]>> = reserved(depth as usize)?;
-    cut.resize_with(depth as usize, Vec::new);
+    let mut cut: Vec<[u32; 2]> = Vec::new();
     let mut looks = Looks::default();
     for v in 0..part.len() {
         for &other in graph.of(v) {
-            let (k, across) = (part[v], part[other as usize]);
-            if k < across {
-                push(&mut cut[height(k, across) as usize - 1], [v as u32, other])?;
+            if part[v] < part[other as usize] {
+                push(&mut cut, [v as u32, other])?;
             }
         }
         looks.add(graph.degree(v))?;
     }
-    let mut place = repeated(NONE, part.len())?;
-    for (below, edges) in cut.iter_mut().enumerate().rev() {
-        edges.retain(|ends| ends.iter().all(|&v| stage[v as usize] < parts));
-        for v in cover(edges, &mut place)? {
-            stage[v as usize] = parts + below as u32;
+    let mut stage = reserved(part.len())?;
+    stage.extend_from_slice(part);
+    let parts = 1u32 << depth;
+    for (stage, halving) in stage.iter_mut().zip(separator(&cut, part)?) {
+        if halving != NONE {
+            *stage = parts + halving;
         }
     }
     Lists::sorted(&stage, (parts + depth) as usize)
+}
+
+/// Returns for each vertex the halving that it separates, counted from the last one, or [`NONE`]:
+/// for each halving the fewest vertices without which none of the edges is between its halves.
+/// `cut` are the edges between parts, from the part of the lower number.
+pub(super) fn separator(cut: &[[u32; 2]], part: &[u32]) -> Result<Vec<u32>> {
+    let below = |&[v, other]: &[u32; 2]| height(part[v as usize], part[other as usize]) - 1;
+    let mut by_halving: Vec<u32> = reserved(cut.len())?;
+    by_halving.extend(cut.iter().map(below));
+    let halvings = by_halving.iter().max().map_or(0, |&last| last + 1);
+    let lists = Lists::sorted(&by_halving, halvings as usize)?;
+    let mut found = repeated(NONE, part.len())?;
+    let mut place = repeated(NONE, part.len())?;
+    let mut edges: Vec<[u32; 2]> = Vec::new();
+    for halving in (0..halvings).rev() {
+        edges.clear();
+        for &edge in lists.of(halving as usize) {
+            let ends = cut[edge as usize];
+            if ends.iter().all(|&v| found[v as usize] == NONE) {
+                push(&mut edges, ends)?;
+            }
+        }
+        for v in cover(&edges, &mut place)? {
+            found[v as usize] = halving;
+        }
+    }
+    Ok(found)
 }
 
 /// Returns the fewest vertices that have an end of each edge (by König's theorem from a matching as
@@ -270,7 +294,8 @@ mod tests {
     fn no_edge_joins_two_parts() {
         for (name, graph) in graphs().into_iter().chain([("large grid", grid(90, 110))]) {
             for depth in 1..4 {
-                let Some(part) = parts(&graph, depth).unwrap() else { continue };
+                let weighted = Weighted::new(graph.clone()).unwrap();
+                let Some(part) = parts(weighted, depth, SLACK).unwrap() else { continue };
                 let stages = separated(&graph, &part, depth).unwrap();
                 let stage = stage_of(&stages);
                 for v in 0..graph.n() {

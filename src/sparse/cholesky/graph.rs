@@ -70,6 +70,18 @@ impl Graph {
         Ok(Self { starts, neighbours })
     }
 
+    /// Returns the graph of the first n vertices.
+    pub fn first(&self, n: usize) -> Result<Self> {
+        let mut starts = reserved(n + 1)?;
+        starts.push(0);
+        let mut neighbours = reserved(self.starts[n])?;
+        for v in 0..n {
+            neighbours.extend(self.of(v).iter().filter(|&&other| (other as usize) < n));
+            starts.push(neighbours.len());
+        }
+        Ok(Self { starts, neighbours })
+    }
+
     /// Returns the number of vertices.
     pub fn n(&self) -> usize {
         self.starts.len() - 1

@@ -25,9 +25,6 @@ const PASSES: u32 = 8;
 /// Moves that don't improve the halves before a pass ends.
 const IN_VAIN: usize = 100;
 
-/// Most part of the weight in one half.
-const MOST: f64 = 0.6;
-
 /// Two halves of a graph.
 struct Halves {
     /// For each vertex, whether it is in the second half.
@@ -36,17 +33,18 @@ struct Halves {
     cut: u64,
 }
 
-/// Returns for each vertex whether it is in the second half.
-pub(super) fn halved(graph: &Weighted, rng: &mut Rng) -> Result<Vec<bool>> {
-    Ok(best(graph, rng)?.is_second)
+/// Returns for each vertex whether it is in the second half. A half has at most `1 + slack` times
+/// half of the weight.
+pub(super) fn halved(graph: &Weighted, slack: f64, rng: &mut Rng) -> Result<Vec<bool>> {
+    Ok(best(graph, slack, rng)?.is_second)
 }
 
 /// Returns the best halves of some searches.
-fn best(graph: &Weighted, rng: &mut Rng) -> Result<Halves> {
-    let mut best = through_coarser(graph, rng)?;
+fn best(graph: &Weighted, slack: f64, rng: &mut Rng) -> Result<Halves> {
+    let mut best = through_coarser(graph, slack, rng)?;
     if graph.graph.n() <= LARGE {
         for _ in 1..CYCLES {
-            let other = through_coarser(graph, rng)?;
+            let other = through_coarser(graph, slack, rng)?;
             if other.cut < best.cut {
                 best = other;
             }
@@ -56,24 +54,24 @@ fn best(graph: &Weighted, rng: &mut Rng) -> Result<Halves> {
 }
 
 /// Finds halves of a coarser graph, and improves them as those of this one.
-fn through_coarser(graph: &Weighted, rng: &mut Rng) -> Result<Halves> {
+fn through_coarser(graph: &Weighted, slack: f64, rng: &mut Rng) -> Result<Halves> {
     let n = graph.graph.n();
     if n > SMALL {
         let (coarser, into) = graph.coarser(Some(rng))?;
         if coarser.graph.n() * 10 < 9 * n {
             let first_small = n > LARGE && coarser.graph.n() <= LARGE;
             let find = if first_small { best } else { through_coarser };
-            let found = find(&coarser, rng)?.is_second;
+            let found = find(&coarser, slack, rng)?.is_second;
             let mut is_second = reserved(n)?;
             is_second.extend(into.iter().map(|&c| found[c as usize]));
-            return improved(graph, is_second);
+            return improved(graph, slack, is_second);
         }
     }
-    grown(graph)
+    grown(graph, slack)
 }
 
 /// Returns the best of the halves that are the nearest vertices to some vertex.
-fn grown(graph: &Weighted) -> Result<Halves> {
+fn grown(graph: &Weighted, slack: f64) -> Result<Halves> {
     let (n, total) = (graph.graph.n(), graph.total());
     let mut best = Halves { is_second: repeated(false, n)?, cut: u64::MAX };
     for k in 0..TRIES.min(n) {
@@ -88,7 +86,7 @@ fn grown(graph: &Weighted) -> Result<Halves> {
             is_second[v as usize] = true;
             weight += u64::from(graph.vertices[v as usize]);
         }
-        let found = improved(graph, is_second)?;
+        let found = improved(graph, slack, is_second)?;
         if found.cut < best.cut {
             best = found;
         }
@@ -122,8 +120,8 @@ fn by_distance(graph: &Weighted, from: usize) -> Result<Vec<u32>> {
 }
 
 /// Moves vertices between halves while that leaves fewer edges between them.
-fn improved(graph: &Weighted, is_second: Vec<bool>) -> Result<Halves> {
-    let mut border = Border::new(graph, is_second)?;
+fn improved(graph: &Weighted, slack: f64, is_second: Vec<bool>) -> Result<Halves> {
+    let mut border = Border::new(graph, slack, is_second)?;
     for pass in 0..PASSES {
         let before = border.cut;
         border.pass(pass)?;
@@ -151,7 +149,7 @@ struct Border<'g> {
 }
 
 impl<'g> Border<'g> {
-    fn new(graph: &'g Weighted, is_second: Vec<bool>) -> Result<Self> {
+    fn new(graph: &'g Weighted, slack: f64, is_second: Vec<bool>) -> Result<Self> {
         let n = graph.graph.n();
         let heaviest = graph.vertices.iter().copied().max().unwrap_or(0);
         let total = graph.total();
@@ -175,7 +173,8 @@ impl<'g> Border<'g> {
             graph,
             is_second,
             weights,
-            most: ((MOST * total as f64) as u64).max(total / 2 + u64::from(heaviest)),
+            most: ((0.5 * (1.0 + slack) * total as f64) as u64)
+                .max(total / 2 + u64::from(heaviest)),
             gains,
             moved: repeated(NONE, n)?,
             cut: cut / 2,
@@ -264,7 +263,7 @@ mod tests {
         for (graph, most) in [(of_edges(60, pair), 1), (grid(20, 60), 44), (grid(300, 40), 90)] {
             let n = graph.n();
             let graph = Weighted::new(graph).unwrap();
-            let half = halved(&graph, &mut Rng::new(3)).unwrap();
+            let half = halved(&graph, 0.2, &mut Rng::new(3)).unwrap();
             let (edges, second) = cut(&graph, &half);
             assert!(edges <= most, "{edges} edges of {most}");
             assert!(10 * second >= 4 * n - 10 && 10 * second <= 6 * n + 10, "{second} of {n}");
@@ -275,7 +274,7 @@ mod tests {
     fn the_cut_is_that_of_the_halves() {
         for (name, graph) in graphs() {
             let graph = Weighted::new(graph).unwrap();
-            let found = best(&graph, &mut Rng::new(3)).unwrap();
+            let found = best(&graph, 0.2, &mut Rng::new(3)).unwrap();
             assert_eq!(found.is_second.len(), graph.graph.n(), "{name}");
             if graph.graph.n() > 1 {
                 let (edges, second) = cut(&graph, &found.is_second);

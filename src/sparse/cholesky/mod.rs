@@ -1,5 +1,6 @@
 //! Sparse Cholesky factorizations, with errors when memory is refused, and solves.
 
+mod border;
 mod coarse;
 mod dissection;
 mod graph;
@@ -12,6 +13,8 @@ mod options;
 mod parts;
 mod pattern;
 mod postorder;
+#[cfg(any(feature = "mpi", test))]
+mod shares;
 mod solver;
 mod structure;
 mod supernode;
@@ -21,7 +24,7 @@ use faer::MatMut;
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 
 use super::space::Inverse;
-use crate::base::{Par, Progress, Result, reserved};
+use crate::base::{Par, Progress, Result, reserved, room};
 use dissection::dissected;
 use graph::{Graph, Lists};
 use minimum::minimum_degree;
@@ -29,9 +32,11 @@ use numeric::Pivots;
 pub use options::{CholeskyOptions, Triangle};
 use pattern::{Entries, Pattern};
 use postorder::postordered;
+#[cfg(feature = "mpi")]
+pub(crate) use shares::{paired, separator, shared};
 pub use solver::Cholesky;
 use structure::Structure;
-use supernode::Block;
+use supernode::{Block, Row};
 use sweeps::Sweeps;
 
 /// The order of elimination and the pattern of the factor. All matrices with the same pattern share
@@ -39,6 +44,7 @@ use sweeps::Sweeps;
 ///
 /// The order is that of approximate minimum degree, for large matrices of the parts that nested
 /// dissection finds and then of the rows between them (docs/decisions/0007), or one that is given.
+/// The last rows may be a border: columns that are not eliminated.
 #[derive(Debug)]
 pub struct Symbolic {
     pattern: Pattern,
@@ -61,6 +67,37 @@ impl Symbolic {
         Self::of(places, &graph, &groups)
     }
 
+    /// Analyses as [`Symbolic::new`] does for factorizations that end before the last `border` rows.
+    /// Entries in the columns of the border are ignored. [`Symbolic::complement`] is what these
+    /// factorizations leave of it.
+    ///
+    /// # Errors
+    /// Those of [`Symbolic::new`].
+    pub fn bordered(places: SymbolicSparseColMatRef<'_, usize>, border: usize) -> Result<Self> {
+        if border == 0 {
+            return Self::new(places);
+        }
+        let graph = Graph::new(places)?;
+        let (n, first) = (graph.n() as u32, (graph.n() - border) as u32);
+        let mut stages = match dissected(&graph.first(first as usize)?)? {
+            Some(stages) => stages,
+            None => Lists { starts: vec![0, first], items: (0..first).collect() },
+        };
+        stages.items.extend(first..n);
+        stages.starts.push(n);
+        let all = minimum_degree(&graph, Some(&stages))?;
+        // Vertices of very high degree may be in one group with those of the border.
+        let mut groups = Lists { starts: vec![0], items: reserved(first as usize)? };
+        for k in 0..all.len() {
+            groups.items.extend(all.of(k).iter().filter(|&&v| v < first));
+            let end = groups.items.len() as u32;
+            if groups.starts.last() != Some(&end) {
+                groups.starts.push(end);
+            }
+        }
+        Self::of(places, &graph, &groups)
+    }
+
     /// Analyses as [`Symbolic::new`] does, with a permutation of the rows as the order of
     /// elimination, up to the order of subtrees that do not depend on each other.
     fn in_order(places: SymbolicSparseColMatRef<'_, usize>, order: &[usize]) -> Result<Self> {
@@ -69,13 +106,17 @@ impl Symbolic {
         Self::of(places, &Graph::new(places)?, &Lists::singles(rows)?)
     }
 
-    /// Analyses with groups of rows that are eliminated one after another.
+    /// Analyses with groups of rows that are eliminated one after another. Rows in no group, which
+    /// are the last ones, are the border.
     fn of(
         places: SymbolicSparseColMatRef<'_, usize>,
         graph: &Graph,
         groups: &Lists,
     ) -> Result<Self> {
-        let structure = Structure::new(graph, groups)?;
+        let mut structure = Structure::new(graph, groups)?;
+        let border = structure.order.len() as u32..graph.n() as u32;
+        room(&mut structure.order, border.len())?;
+        structure.order.extend(border);
         let pattern = Pattern::new(&structure)?;
         let mut order = reserved(structure.order.len())?;
         order.extend(structure.order.iter().map(|&row| row as usize));
@@ -86,7 +127,7 @@ impl Symbolic {
     /// sides it keeps.
     pub fn bytes(&self) -> usize {
         let targets = 2 * size_of::<u32>() * self.pattern.all_below();
-        let rows = self.pattern.n * size_of::<supernode::Row>();
+        let rows = self.pattern.n * size_of::<Row>();
         self.pattern.values * size_of::<f64>() + targets + rows + self.entries.bytes()
     }
 
@@ -121,6 +162,17 @@ impl Symbolic {
         let subdiagonal = Some(subdiagonal);
         Ok(Factor { values, subdiagonal, below_zero, is_singular, sweeps })
     }
+
+    /// Computes what a factorization adds to the block of the border: with that block zero, its
+    /// Schur complement, `-A_bi A_ii^-1 A_ib` for the rows b of the border and i of the factor.
+    /// Stored by columns, of which the entries from the diagonal down are computed.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`](crate::Error::OutOfMemory) when memory is refused, and
+    /// [`Error::Cancelled`](crate::Error::Cancelled).
+    pub fn complement(&self, factor: &Factor) -> Result<Vec<f64>> {
+        border::complement(&self.pattern, &factor.values, factor.subdiagonal.as_deref())
+    }
 }
 
 /// A factor of a symmetric matrix.
@@ -133,6 +185,25 @@ pub struct Factor {
     /// Whether a pivot is 0. Without rows below it, no value shows that.
     is_singular: bool,
     sweeps: Sweeps,
+}
+
+impl Factor {
+    /// Solves with a factorization that ended before a border: `between` gets `-A_bi A_ii^-1 x_i`,
+    /// eight columns at a time, of which those beyond the columns of X have no meaning, and puts
+    /// the solution there; then X becomes `A_ii^-1 (x_i - A_ib x_b)`. The same for every `par`, bit
+    /// for bit.
+    ///
+    /// # Errors
+    /// Those of `between`, [`Error::OutOfMemory`](crate::Error::OutOfMemory) and
+    /// [`Error::Cancelled`](crate::Error::Cancelled).
+    pub fn solve_around(
+        &self,
+        x: MatMut<'_, f64>,
+        between: &mut dyn FnMut(usize, &mut [Row]) -> Result<()>,
+        par: Par,
+    ) -> Result<()> {
+        self.sweeps.solve_around(&self.values, self.subdiagonal.as_deref(), x, between, par)
+    }
 }
 
 impl Inverse for Factor {
@@ -264,5 +335,66 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_border_gets_its_schur_complement_and_gives_the_rest_its_solution() {
+        let mut rng = Rng::new(3);
+        let mut checked = 0;
+        for (name, a) in matrices() {
+            let n = a.rows();
+            for border in [1, n / 5, n / 2].into_iter().filter(|border| *border < n) {
+                let inner = n - border;
+                let mut entries = TriMat::new((n, n));
+                for (&x, (i, j)) in a.iter().filter(|(_, (i, _))| *i < inner) {
+                    entries.add_triplet(i, j, x);
+                }
+                let w: CsMat<f64> = entries.to_csr();
+                let mass = Mass::Lumped((0..n).map(|i| f64::from(i < inner)).collect());
+                let shifted = Shifted::new(w.view(), &mass);
+                let symbolic = Symbolic::bordered(shifted.symbolic(), border).unwrap();
+                let values = shifted.values(0.0);
+                let positive = symbolic.positive(shifted.matrix(&values)).unwrap();
+                let indefinite = symbolic.indefinite(shifted.matrix(&values)).unwrap();
+                // Cut in two, the pairs leave a row of zeros.
+                let factors = positive.into_iter().chain([indefinite]);
+                for factor in factors.filter(Factor::is_finite) {
+                    let complement = symbolic.complement(&factor).unwrap();
+                    let schur = |t: usize, u: usize| {
+                        let added = complement[t.max(u) + t.min(u) * border];
+                        added + a.get(inner + t, inner + u).copied().unwrap_or(0.0)
+                    };
+                    let columns = 11;
+                    let x = Mat::from_fn(n, columns, |_, _| rng.uniform());
+                    let mut right = Mat::zeros(n, columns);
+                    crate::sparse::multiply(a.view(), x.as_ref(), right.as_mut(), Par::Seq)
+                        .unwrap();
+                    let mut solved = right.clone();
+                    let mut first = 0;
+                    let mut between = |width: usize, rows: &mut [Row]| -> Result<()> {
+                        assert_eq!(rows.len(), border, "{name}");
+                        for (t, row) in rows.iter_mut().enumerate() {
+                            for (j, value) in row[..width].iter_mut().enumerate() {
+                                let j = first + j;
+                                let product: f64 =
+                                    (0..border).map(|u| schur(t, u) * x[(inner + u, j)]).sum();
+                                let found = right[(inner + t, j)] + *value;
+                                assert!((found - product).abs() < 1e-8, "{name}, {border}");
+                                *value = x[(inner + t, j)];
+                            }
+                        }
+                        first += width;
+                        Ok(())
+                    };
+                    let rows = solved.as_mut().subrows_mut(0, inner);
+                    factor.solve_around(rows, &mut between, Par::Threads(2)).unwrap();
+                    let change = &solved - &x;
+                    let largest = change.subrows(0, inner).norm_max();
+                    assert!(largest < 1e-8, "{name}, {border}: {largest:e}");
+                    checked += 1;
+                }
+            }
+        }
+        assert!(checked > 25, "{checked}");
     }
 }

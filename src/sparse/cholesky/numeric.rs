@@ -172,9 +172,10 @@ impl<'a> Numeric<'a> {
     /// Puts a supernode into the list of the one that its next rows are in.
     fn attach(&mut self, s: usize) {
         if let Some(&row) = self.pattern.below(s).get(self.applied[s] as usize) {
-            let target = self.pattern.owner[row as usize] as usize;
-            self.next[s] = self.first[target];
-            self.first[target] = s as u32;
+            // Rows of the border are in no supernode.
+            let Some(&target) = self.pattern.owner.get(row as usize) else { return };
+            self.next[s] = self.first[target as usize];
+            self.first[target as usize] = s as u32;
         }
     }
 
@@ -319,7 +320,7 @@ fn root(pivot: &mut f64) -> std::result::Result<(), usize> {
 }
 
 /// Changes the length of a list, or returns an error when memory is refused.
-fn resize(list: &mut Vec<f64>, len: usize) -> Result<()> {
+pub(super) fn resize(list: &mut Vec<f64>, len: usize) -> Result<()> {
     room(list, len.saturating_sub(list.len()))?;
     list.resize(len, 0.0);
     Ok(())

@@ -13,7 +13,7 @@ const WIDEST: usize = 256;
 /// The supernodes of a factor and the rows of their columns.
 #[derive(Debug, Default)]
 pub(super) struct Pattern {
-    /// Rows of the factor.
+    /// Rows of the factor. Those after the last column are the border.
     pub n: usize,
     pub nodes: Vec<Supernode>,
     /// The rows below the triangles, ascending for each supernode; those of supernode s are
@@ -70,6 +70,11 @@ impl Pattern {
     /// Returns the rows below the triangle of a supernode, ascending.
     pub fn below(&self, s: usize) -> &[u32] {
         &self.rows[self.starts[s]..self.starts[s + 1]]
+    }
+
+    /// Returns the number of columns of the factor.
+    pub fn columns(&self) -> usize {
+        self.owner.len()
     }
 
     /// Returns the number of rows below all triangles.

@@ -34,7 +34,8 @@ struct Tree<'g> {
 
 impl Structure {
     /// Finds the structure of the factor when groups of vertices, of which each has the same later
-    /// neighbours, are eliminated one after another.
+    /// neighbours, are eliminated one after another. Vertices in no group are not eliminated: they
+    /// are only rows.
     pub fn new(graph: &Graph, groups: &Lists) -> Result<Self> {
         let tree = Tree::new(graph, groups)?;
         let into = tree.merged()?;
@@ -46,7 +47,7 @@ impl<'g> Tree<'g> {
     fn new(graph: &Graph, groups: &'g Lists) -> Result<Self> {
         let (n, count) = (graph.n(), groups.len());
         // The group of each vertex, and the last one that has it as a row.
-        let mut seen = repeated((0u32, NONE), n)?;
+        let mut seen = repeated((NONE, NONE), n)?;
         for k in 0..count {
             groups.of(k).iter().for_each(|&v| seen[v as usize].0 = k as u32);
         }
@@ -108,7 +109,7 @@ impl<'g> Tree<'g> {
                 sibling[node as usize] = std::mem::replace(&mut child[parent as usize], node);
             }
         }
-        tree.starts.push(n as u32);
+        tree.starts.push(groups.items.len() as u32);
         let above = tree.parents.iter_mut().filter(|parent| **parent != NONE);
         above.for_each(|parent| *parent = node_of[*parent as usize]);
         Ok(tree)

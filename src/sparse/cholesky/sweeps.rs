@@ -48,7 +48,8 @@ struct Part {
     nodes: Range<usize>,
     /// For each of its own rows, the row of the right-hand side.
     own: Vec<u32>,
-    /// For each row of the top that it changes, that row. These rows follow its own.
+    /// For each row of the top that it changes, that row. These rows follow its own. Those of the
+    /// top itself are the border.
     above: Vec<u32>,
     /// Number of values of the factor.
     values: usize,
@@ -58,21 +59,26 @@ struct Part {
 #[derive(Debug, Clone, Copy)]
 struct Factor<'a> {
     values: &'a [f64],
-    subdiagonal: &'a [f64],
+    subdiagonal: Option<&'a [f64]>,
 }
+
+/// What is done between the sweeps with the number of columns and the rows of the border.
+type Between<'b> = dyn FnMut(usize, &mut [Row]) -> Result<()> + 'b;
 
 impl Sweeps {
     /// Creates the sweeps for factors with these supernodes. Row `i` of the factor is row
     /// `order[i]` of right-hand sides, and row `place(i)` of the factor is row `i` of its pattern
-    /// (pivots inside supernodes).
+    /// (pivots inside supernodes). Rows of the border are those of right-hand sides in no part.
     pub fn new(
         pattern: &Pattern,
         order: impl Fn(usize) -> usize,
         place: impl Fn(usize) -> usize,
     ) -> Result<Self> {
         let supernodes = &pattern.nodes;
-        let parent =
-            |s: usize| pattern.below(s).first().map(|&row| pattern.owner[row as usize] as usize);
+        let parent = |s: usize| {
+            let owner = |&row: &u32| pattern.owner.get(row as usize).map(|&node| node as usize);
+            pattern.below(s).first().and_then(owner)
+        };
         let mut parents = reserved(supernodes.len())?;
         parents.extend((0..supernodes.len()).map(parent));
         let work = |s: usize| (supernodes[s].columns + supernodes[s].below) * supernodes[s].columns;
@@ -87,7 +93,9 @@ impl Sweeps {
         };
         const NONE: u32 = u32::MAX;
         let mut row_of_top = repeated(NONE, pattern.n)?;
-        (0..).zip(rows_of(&top)?).for_each(|(i, row)| row_of_top[row] = i);
+        let border = pattern.columns()..pattern.n;
+        let of_top = rows_of(&top)?.into_iter().chain(border.clone());
+        (0..).zip(of_top).for_each(|(i, row)| row_of_top[row] = i);
 
         let mut sweeps = Self {
             nodes: reserved(supernodes.len())?,
@@ -98,11 +106,15 @@ impl Sweeps {
             fused: has_fused(),
         };
         let mut row_of_part = repeated(NONE, pattern.n)?;
-        let mut part = |nodes: &[usize]| -> Result<Part> {
+        let mut part = |nodes: &[usize], border: Range<usize>| -> Result<Part> {
             let own = rows_of(nodes)?;
             (0..).zip(&own).for_each(|(i, &row)| row_of_part[row] = i);
             let (mut above, mut first, start) = (Vec::new(), 0, sweeps.nodes.len());
             let values = nodes.iter().map(|&s| supernodes[s].range().len()).sum();
+            for row in border {
+                row_of_part[row] = (own.len() + above.len()) as u32;
+                push(&mut above, row)?;
+            }
             for &s in nodes {
                 let targets = sweeps.targets.len();
                 for row in pattern.below(s).iter().map(|&row| place(row as usize)) {
@@ -123,8 +135,9 @@ impl Sweeps {
             let nodes = start..sweeps.nodes.len();
             Ok(Part { nodes, own: own_rows, above: rows_above, values })
         };
-        let subtrees = subtrees.iter().map(|nodes| part(nodes)).collect::<Result<Vec<_>>>()?;
-        let top = part(&top)?;
+        let subtrees =
+            subtrees.iter().map(|nodes| part(nodes, 0..0)).collect::<Result<Vec<_>>>()?;
+        let top = part(&top, border)?;
         (sweeps.subtrees, sweeps.top) = (subtrees, top);
         Ok(sweeps)
     }
@@ -169,8 +182,35 @@ impl Sweeps {
         &self,
         values: &[f64],
         subdiagonal: Option<&[f64]>,
+        x: MatMut<'_, f64>,
+        is_wanted: &[bool],
+        par: Par,
+    ) -> Result<()> {
+        let factor = Factor { values, subdiagonal };
+        self.solve_both(factor, x, is_wanted, &mut |_, _| Ok(()), par)
+    }
+
+    /// Computes [`Sweeps::solve`] of the rows before a border. Between the sweeps, `between` gets
+    /// the number of columns and what the rows before it add to the rows of the border, for which
+    /// it puts the solution there.
+    pub fn solve_around(
+        &self,
+        values: &[f64],
+        subdiagonal: Option<&[f64]>,
+        x: MatMut<'_, f64>,
+        between: &mut Between<'_>,
+        par: Par,
+    ) -> Result<()> {
+        let all = vec![true; self.subtrees.len()];
+        self.solve_both(Factor { values, subdiagonal }, x, &all, between, par)
+    }
+
+    fn solve_both(
+        &self,
+        factor: Factor<'_>,
         mut x: MatMut<'_, f64>,
         is_wanted: &[bool],
+        between: &mut Between<'_>,
         par: Par,
     ) -> Result<()> {
         let mut kept = self.kept.try_lock();
@@ -179,17 +219,16 @@ impl Sweeps {
         if rows.is_empty() {
             *rows = zeros(self.rows())?;
         }
-        let solve_block = match (subdiagonal.is_some(), self.fused) {
+        let solve_block = match (factor.subdiagonal.is_some(), self.fused) {
             (false, false) => Self::solve_block::<false, false>,
             (false, true) => Self::solve_block::<false, true>,
             (true, false) => Self::solve_block::<true, false>,
             (true, true) => Self::solve_block::<true, true>,
         };
-        let factor = Factor { values, subdiagonal: subdiagonal.unwrap_or(&[]) };
         for first in (0..x.ncols()).step_by(WIDTH) {
             let width = WIDTH.min(x.ncols() - first);
             let x = x.rb_mut().subcols_mut(first, width);
-            solve_block(self, factor, x, is_wanted, rows, par)?;
+            solve_block(self, factor, x, is_wanted, rows, between, par)?;
         }
         Ok(())
     }
@@ -203,8 +242,10 @@ impl Sweeps {
         x: MatMut<'_, f64>,
         is_wanted: &[bool],
         rows: &mut [Row],
+        between: &mut Between<'_>,
         par: Par,
     ) -> Result<()> {
+        let columns = x.ncols();
         let x = Disjoint::new(x);
         let (top, mut rest) = rows.split_at_mut(self.top.rows());
         let mut subtrees = Vec::with_capacity(self.subtrees.len());
@@ -234,6 +275,7 @@ impl Sweeps {
             self.down::<UNIT, FUSED>(run.nodes, factor, top);
             spend(operations_of(run.values))?;
         }
+        between(columns, &mut top[self.top.own.len()..])?;
         for run in self.runs(&self.top).into_iter().rev() {
             self.up::<UNIT, FUSED>(run.nodes, factor, top);
             spend(operations_of(run.values))?;
@@ -307,7 +349,7 @@ impl Sweeps {
                 for Node { supernode, first, targets } in nodes.iter().rev() {
                     let own = *first..first + supernode.columns;
                     if UNIT {
-                        for (i, block) in supernode.blocks(values, subdiagonal) {
+                        for (i, block) in supernode.blocks(values, subdiagonal.unwrap_or(&[])) {
                             block.solve(&mut x[first + i..]);
                         }
                     }
