@@ -912,9 +912,9 @@ size_t cata_table_levels(const cata_table *table, size_t column);
  * none. Never NULL; do not free it. */
 const char *cata_table_level(const cata_table *table, size_t column, size_t level);
 
-/** Returns what was decided about a text table, such as "separator ;, decimal comma, header", in
- * UTF-8; valid until cata_table_free. Empty for NULL and for other formats. Never NULL; do not
- * free it. */
+/** Returns what was decided about a text table, such as "separator ;, decimal comma, header", and
+ * which integers of any format were rounded, in UTF-8; valid until cata_table_free. Empty for NULL
+ * and where there is nothing to say. Never NULL; do not free it. */
 const char *cata_table_reading(const cata_table *table);
 
 void cata_table_free(cata_table *table); /**< Frees a table. */
