@@ -9,8 +9,8 @@ use catamaran_bench::{Result, host};
 use clap::Parser;
 
 use commands::{
-    accuracy, batched, cholesky, decimate, functional_map, gram, grid, laplacian, once, ortho, race,
-    reproduce, scale, spectrum, stream,
+    accuracy, batched, cholesky, decimate, functional_map, gram, grid, laplacian, once, ortho,
+    race, reproduce, scale, spectrum, stream,
 };
 
 /// Races against other libraries, and errors beside theirs.
