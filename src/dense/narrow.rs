@@ -1,5 +1,5 @@
-//! Products of a tall matrix A with at most [`NARROW`] columns, both by columns: A is read once, from
-//! where it lies. A general product packs A first, which takes as long as such a product.
+//! Products of a tall matrix A with at most [`NARROW`] columns, both by columns: A is read once,
+//! from where it lies. A general product packs A first, which takes as long as such a product.
 
 use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef};

@@ -34,8 +34,8 @@ pub struct Arguments {
     pub libraries: PathBuf,
 }
 
-/// Prints the seconds of a call, the bytes of C and of all that the contender needs besides, and the
-/// error: the line that [`run`] reads.
+/// Prints the seconds of a call, the bytes of C and of all that the contender needs besides, and
+/// the error: the line that [`run`] reads.
 pub fn print(arguments: &Arguments) -> Result<()> {
     let Arguments { contender, libraries, .. } = arguments;
     let contender = match contender.split_once('/') {

@@ -1,5 +1,5 @@
-//! `spectrum`: eigenpairs of the Laplacian of meshes beside scipy's and PRIMME's, each solution in a
-//! separate process.
+//! `spectrum`: eigenpairs of the Laplacian of meshes beside scipy's and PRIMME's, each solution in
+//! a separate process.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;

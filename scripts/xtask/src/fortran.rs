@@ -21,8 +21,8 @@ const SECTIONS: [&str; 9] =
 /// Factors of complex products, which are read.
 const FACTORS: [&str; 2] = ["alpha", "beta"];
 
-/// Pointers to one number that is written, as are all those of a function of [`ONE_EACH`]; others are
-/// arrays.
+/// Pointers to one number that is written, as are all those of a function of [`ONE_EACH`]; others
+/// are arrays.
 const SCALARS: [&str; 16] = [
     "major",
     "minor",

@@ -67,9 +67,9 @@ impl Symbolic {
         Self::of(places, &graph, &groups)
     }
 
-    /// Analyses as [`Symbolic::new`] does for factorizations that end before the last `border` rows.
-    /// Entries in the columns of the border are ignored. [`Symbolic::complement`] is what these
-    /// factorizations leave of it.
+    /// Analyses as [`Symbolic::new`] does for factorizations that end before the last `border`
+    /// rows. Entries in the columns of the border are ignored. [`Symbolic::complement`] is what
+    /// these factorizations leave of it.
     ///
     /// # Errors
     /// Those of [`Symbolic::new`].
