@@ -358,9 +358,9 @@ struct SpreadFactor<'s> {
 }
 
 impl Inverse for SpreadFactor<'_> {
-    /// Computes, with `b` for X: `x_s = S^-1 (b_s - sum of A_si A_ii^-1 b_i)`, `x_i = A_ii^-1 (b_i
-    /// - A_is x_s)`, in one sweep down the factor of the domain, one sum over the ranks, and one
-    /// sweep up.
+    /// Computes, with `b` for X: `x_s = S^-1 (b_s - sum of A_si A_ii^-1 b_i)`,
+    /// `x_i = A_ii^-1 (b_i - A_is x_s)`, in one sweep down the factor of the domain, one sum over
+    /// the ranks, and one sweep up.
     fn solve(&self, x: MatMut<'_, f64>, par: Par) -> Result<()> {
         /// Columns that are solved for together, as rows of eight numbers.
         const WIDTH: usize = 8;
