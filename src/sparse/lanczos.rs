@@ -30,9 +30,9 @@ pub(crate) struct Nearby {
 /// To which columns of the basis a new block is made orthogonal.
 ///
 /// A block that is orthogonal to its neighbours is so to all others up to rounding, times the
-/// factor by which it was shorter than the operator's values. That does not harm T (Simon 1984), but
-/// grows from block to block, so that every second block is cleaned together with the one before it
-/// (Grcar 1981): the basis is read half as often.
+/// factor by which it was shorter than the operator's values. That does not harm T (Simon 1984),
+/// but grows from block to block, so that every second block is cleaned together with the one
+/// before it (Grcar 1981): the basis is read half as often.
 #[derive(Clone, Copy)]
 enum Reach {
     /// To all.

@@ -28,10 +28,10 @@ use crate::sparse::{
 /// the lumped masses of the own rows, or own rows x n of a full mass matrix. Every rank gets all
 /// eigenvalues and residuals, and its rows of the eigenvectors.
 ///
-/// The basis, `2 k + 80` vectors, all work with it, the matrices and the factorization of
-/// `W - sigma M` are distributed: rows move to the rank of their domain, of about n / P rows that touch no
-/// other domain, each rank eliminates its domain, and every rank eliminates the Schur complement of
-/// the interface between the domains. No rank holds all rows of a matrix, unless they are so few
+/// The basis, `2 k + 80` vectors, all work with it, the matrices and the factorization of `W -
+/// sigma M` are distributed: rows move to the rank of their domain, of about n / P rows that touch
+/// no other domain, each rank eliminates its domain, and every rank eliminates the Schur complement
+/// of the interface between the domains. No rank holds all rows of a matrix, unless they are so few
 /// that the problem is solved as a dense one; every rank holds a number for each row now and then.
 /// The starting vectors and the rounding depend on the number of ranks. Small matrices, and the
 /// interface, are processed by every rank and must give the same bits everywhere, so all ranks need
