@@ -232,7 +232,9 @@ impl<'a> Krylov<'a> {
             if pass > 0 && count > 0 {
                 let overlap = self.project(count, if pass == 1 { reach } else { Reach::All })?;
                 if let Some(own) = own {
-                    let found = overlap.as_ref().subrows(own, WIDTH) * &coupling;
+                    // The block at `own` is the last one.
+                    let of_own = overlap.as_ref().subrows(overlap.nrows() - WIDTH, WIDTH);
+                    let found = of_own * &coupling;
                     let mut t = self.projected.as_mut().submatrix_mut(own, own, WIDTH, WIDTH);
                     t += &found;
                 }
@@ -278,7 +280,7 @@ impl<'a> Krylov<'a> {
     }
 
     /// Takes from the work block X its components along the first `count` columns of the basis, as
-    /// far as `reach` says; returns the coefficients.
+    /// far as `reach` says; returns those along the last of these columns, a block or more.
     fn project(&mut self, count: usize, reach: Reach) -> Result<Mat<f64>> {
         let (pencil, par) = (self.pencil, self.options.par);
         let (x, weighted) = (&mut self.work, &mut self.weighted);
@@ -287,7 +289,6 @@ impl<'a> Krylov<'a> {
             pencil.inner().apply_mass(x.as_ref(), mx, par)
         };
         weigh(weighted, x)?;
-        let mut overlap = zeros(count, WIDTH)?;
         let mut first = 0;
         match reach {
             Reach::All => {}
@@ -301,7 +302,6 @@ impl<'a> Krylov<'a> {
                 let found = inner_products(pencil, v.rb(), weighted.as_ref(), par)?;
                 subtract_product(both.rb_mut(), v.rb(), found.as_ref(), par)?;
                 x.copy_from(both.rb().subcols(WIDTH, WIDTH));
-                overlap.as_mut().subrows_mut(0, first).copy_from(found.subcols(WIDTH, WIDTH));
                 weigh(weighted, x)?;
             }
         }
@@ -309,8 +309,7 @@ impl<'a> Krylov<'a> {
         let mx = weighted.as_ref().subcols(WIDTH, WIDTH);
         let found = inner_products(pencil, basis, mx, par)?;
         subtract_product(x.as_mut(), basis, found.as_ref(), par)?;
-        overlap.as_mut().subrows_mut(first, count - first).copy_from(&found);
-        Ok(overlap)
+        Ok(found)
     }
 
     /// Does the first two expansions of [`Krylov::converge`], which tell about how far the

@@ -31,12 +31,10 @@ pub(crate) fn shared(rows: CsMatView<'_, f64>, vertices: &[f64], count: usize) -
     }
     let halvings = count.next_power_of_two().ilog2();
     let depth = if count.is_power_of_two() { halvings } else { halvings + FINER };
-    let part = dissection::parts(Weighted::of_rows(rows, vertices)?, depth, SLACK)?;
-    if let Some(part) = &part
-        && count.is_power_of_two()
-    {
-        return Ok(part.clone());
-    }
+    let part = match dissection::parts(Weighted::of_rows(rows, vertices)?, depth, SLACK)? {
+        Some(part) if count.is_power_of_two() => return Ok(part),
+        part => part,
+    };
     // Runs of parts, or of vertices in their own order, by the middles of what they weigh.
     let mut runs = vec![0.0; 1 << depth];
     let run = |v: usize| match &part {

@@ -12,6 +12,10 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use base64::Engine;
+use base64::alphabet::STANDARD;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+
 use self::batch::{Batch, Block, read_at};
 use self::flat::Table;
 use self::schema::{Column, Entry, Extent};
@@ -58,8 +62,10 @@ pub struct ArrowStore {
 /// Returns the names of the columns of durations, as the metadata of a Parquet file have them: a
 /// message with a schema, in base64; none where the metadata are of another form.
 pub fn durations(metadata: &str) -> Vec<String> {
+    let config =
+        GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent);
     let found = || -> Option<Vec<Column>> {
-        let bytes = base64(metadata)?;
+        let bytes = GeneralPurpose::new(&STANDARD, config).decode(metadata).ok()?;
         // Behind a mark, which older versions do not have, and the length.
         let message = match bytes.strip_prefix(&[0xff; 4]) {
             Some(rest) => rest.get(4..)?,
@@ -73,28 +79,6 @@ pub fn durations(metadata: &str) -> Vec<String> {
     let is_one = |column: &Column| column.field.kind == Kind::Other(DURATIONS.into());
     let columns = found().unwrap_or_default().into_iter().filter(is_one);
     columns.map(|column| column.field.name).collect()
-}
-
-/// Returns the bytes of a text in base64 (RFC 4648, section 4); `None` for another text.
-fn base64(text: &str) -> Option<Vec<u8>> {
-    let (mut bytes, mut bits, mut count) = (Vec::new(), 0_u32, 0);
-    for digit in text.trim_end_matches('=').bytes() {
-        let value = match digit {
-            b'A'..=b'Z' => digit - b'A',
-            b'a'..=b'z' => digit - b'a' + 26,
-            b'0'..=b'9' => digit - b'0' + 52,
-            b'+' => 62,
-            b'/' => 63,
-            _ => return None,
-        };
-        bits = bits << 6 | u32::from(value);
-        count += 6;
-        if count >= 8 {
-            count -= 8;
-            bytes.push((bits >> count) as u8);
-        }
-    }
-    Some(bytes)
 }
 
 impl ArrowStore {
