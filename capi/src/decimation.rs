@@ -29,7 +29,9 @@ use super::progress::cata_progress;
 use super::status::{Failure, cata_status};
 use catamaran::base::{Error, Par, Progress};
 use catamaran::sparse::{EigenOptions, eigs_two_level, select};
-use catamaran_geometry::decimate::{DecimateOptions, Decimation, FarthestPoints, Method, decimate};
+use catamaran_geometry::decimate::{
+    DecimateOptions, Decimation, Difference, FarthestPoints, Method, decimate, decimate_within,
+};
 use catamaran_geometry::mesh::io::{Attribute, MeshFile};
 use catamaran_geometry::mesh::{Boundary, Laplacian, LaplacianOptions, TriMesh};
 
@@ -125,6 +127,63 @@ pub unsafe extern "C" fn cata_decimation_new(
             with_options(params, |options| Ok((decimate(&input, n, options)?, options.par)))
         }?;
         hand_over(place, cata_decimation { input, found, par });
+        Ok(())
+    })
+}
+
+/// Decimates a triangle mesh as cata_decimation_new does, to the fewest vertices that a search
+/// finds for which no point of either surface is farther from the other one than `error`: what
+/// cata_decimation_bound returns is at most `error`. The number is at most 2 % (or 1) above one
+/// that is too small.
+///
+/// - `error`: positive, in the unit of the mesh. If it can't be reached, CATA_ERR_ARGUMENT.
+/// - `decimation`: one pointer, written.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_decimation_new_within(
+    n_vertices: usize,
+    vertices: *const f64,
+    n_faces: usize,
+    faces: *const u32,
+    error: f64,
+    params: *const cata_decimation_params,
+    decimation: *mut *mut cata_decimation,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `decimation`,
+        // one value).
+        let (input, place) = unsafe {
+            (mesh(n_vertices, vertices, n_faces, faces)?, output("decimation", decimation)?)
+        };
+        let find = |options: &DecimateOptions<'_>| {
+            Ok((decimate_within(&input, error, options)?, options.par))
+        };
+        // SAFETY: clause `structs` (`params`).
+        let (found, par) = unsafe { with_options(params, find) }?;
+        hand_over(place, cata_decimation { input, found, par });
+        Ok(())
+    })
+}
+
+/// Computes an upper bound of the distance of any point of the input or of the result from the
+/// other surface: the Hausdorff distance, or at most 1 % more.
+///
+/// - `bound`: written, in the unit of the mesh.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_decimation_bound(
+    decimation: *const cata_decimation,
+    bound: *mut f64,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: clause `memory` (`bound`, one value), clause `handles` (`decimation`).
+        let (own, place) = unsafe { (known("decimation", decimation)?, output("bound", bound)?) };
+        let found = Difference::between(&own.input, &own.found.mesh, own.par)?;
+        *place = found.hausdorff_bound;
         Ok(())
     })
 }

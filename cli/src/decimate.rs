@@ -8,8 +8,8 @@ use catamaran::Par;
 use catamaran::io::Output;
 use catamaran::sparse::CsMat;
 use catamaran_geometry::decimate::{
-    DecimateOptions, Decimation, Difference, Method, Quality, Topology, decimate, edge_length_for,
-    vertices_for_edge_length, vertices_for_faces,
+    DecimateOptions, Decimation, Difference, Method, Quality, Topology, decimate, decimate_within,
+    edge_length_for, vertices_for_edge_length, vertices_for_faces,
 };
 use catamaran_geometry::mesh::io::{self as files, MeshFile};
 use catamaran_geometry::mesh::{RepairOptions, TriMesh, repair};
@@ -49,6 +49,12 @@ pub struct Args {
     /// Approximate length of the edges of the result, in units of the mesh.
     #[arg(long, value_name = "LENGTH", group = "size")]
     edge_length: Option<f64>,
+    /// Largest distance of a point of either surface from the other one, in units of the mesh or as
+    /// a percentage of the diagonal of its box, such as 0.5%: the result has as few vertices as the
+    /// search finds, up to 2 % more than a number that is too small. The distance is measured on
+    /// whole faces, and at most 1 % too large.
+    #[arg(long, value_name = "E", group = "size", value_parser = tolerance)]
+    error: Option<Tolerance>,
     #[arg(short, long, value_name = "FILE", help = output::mesh_help("Output file"))]
     output: PathBuf,
     /// Number of passes that move samples to the centroids of their cells.
@@ -106,6 +112,49 @@ impl From<Kind> for Method {
     }
 }
 
+/// A distance between surfaces.
+#[derive(Debug, Clone, Copy)]
+enum Tolerance {
+    /// In units of the mesh.
+    Length(f64),
+    /// In per cent of the diagonal of the mesh.
+    Percent(f64),
+}
+
+/// Parses a positive length or percentage.
+fn tolerance(text: &str) -> Result<Tolerance, String> {
+    let (number, of): (&str, fn(f64) -> Tolerance) = match text.strip_suffix('%') {
+        Some(number) => (number, Tolerance::Percent),
+        None => (text, Tolerance::Length),
+    };
+    match number.trim().parse() {
+        Ok(number) if number > 0.0 && f64::is_finite(number) => Ok(of(number)),
+        _ => Err("expected a positive length, or a percentage of the diagonal such as 0.5%".into()),
+    }
+}
+
+impl Tolerance {
+    /// Returns the distance in units of the mesh.
+    fn of(self, mesh: &TriMesh) -> f64 {
+        match self {
+            Self::Length(length) => length,
+            Self::Percent(percent) => {
+                let [low, high] = mesh.bounding_box().unwrap_or_default();
+                let square: f64 = (0..3).map(|k| (high[k] - low[k]).powi(2)).sum();
+                percent / 100.0 * square.sqrt()
+            }
+        }
+    }
+}
+
+/// The size of the result.
+#[derive(Clone, Copy)]
+enum Size {
+    Vertices(usize),
+    /// Largest distance of the surfaces, in units of the mesh.
+    Within(f64),
+}
+
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
     files::check_name(&args.output)?;
@@ -119,7 +168,7 @@ pub fn run(args: &Args) -> Result<()> {
         None => None,
     };
     let input = read(&args.input, &args.repair)?;
-    let n = wanted(args, &input.mesh)?;
+    let size = wanted(args, &input.mesh)?;
     let par = args.threads.par();
 
     let bar = Bar::new("decimate");
@@ -133,9 +182,15 @@ pub fn run(args: &Args) -> Result<()> {
         .par(par)
         .progress(&update);
     let start = Instant::now();
-    let found = decimate(&input.mesh, n, &options)
-        .map_err(|error| refused(error, args))
-        .with_context(|| format!("{}: can't be decimated to {n} vertices", args.input.display()))?;
+    let path = args.input.display();
+    let found = match size {
+        Size::Vertices(n) => decimate(&input.mesh, n, &options)
+            .map_err(|error| refused(error, args))
+            .with_context(|| format!("{path}: can't be decimated to {n} vertices"))?,
+        Size::Within(error) => decimate_within(&input.mesh, error, &options)
+            .map_err(|error| refused(error, args))
+            .with_context(|| format!("{path}: can't be decimated within {error:e}"))?,
+    };
     let elapsed = start.elapsed();
     drop(bar);
     report_result(args, &input, &found, elapsed, par)?;
@@ -197,28 +252,36 @@ fn refused(error: catamaran::Error, args: &Args) -> anyhow::Error {
         _ => "-n".into(),
     };
     match error {
+        catamaran::Error::Argument { what: "n" | "error", why } if args.error.is_some() => {
+            anyhow!("--error: {why}")
+        }
         catamaran::Error::Argument { what: "n", why } => anyhow!("{option}: {why}"),
         error => error.into(),
     }
 }
 
-fn wanted(args: &Args, input: &TriMesh) -> Result<usize> {
+fn wanted(args: &Args, input: &TriMesh) -> Result<Size> {
     if let Some(ratio) = args.ratio {
         if !(ratio > 0.0 && ratio.is_finite()) {
             bail!("--ratio {ratio}: a finite number above 0 is needed");
         }
-        return Ok((ratio * input.vertices().len() as f64).round().max(1.0) as usize);
+        let n = (ratio * input.vertices().len() as f64).round().max(1.0);
+        return Ok(Size::Vertices(n as usize));
     }
     if let Some(faces) = args.faces {
-        return vertices_for_faces(input, faces).map_err(as_option);
+        return vertices_for_faces(input, faces).map(Size::Vertices).map_err(as_option);
     }
     if let Some(length) = args.edge_length {
-        return vertices_for_edge_length(input.area(), length).map_err(|error| match error {
+        let n = vertices_for_edge_length(input.area(), length).map_err(|error| match error {
             catamaran::Error::Argument { what: "length", why } => anyhow!("--edge-length: {why}"),
             error => error.into(),
         });
+        return n.map(Size::Vertices);
     }
-    args.n.context("-n is needed")
+    if let Some(error) = args.error {
+        return Ok(Size::Within(error.of(input)));
+    }
+    args.n.map(Size::Vertices).context("-n is needed")
 }
 
 fn report_result(
@@ -260,8 +323,12 @@ fn report_result(
         let more = intersecting - before;
         note(format_args!("{more} more faces intersect others than in the input: try another -n"));
     }
-    if !args.report {
+    if !args.report && args.error.is_none() {
         return Ok(());
+    }
+    let difference = Difference::between(&input.mesh, &found.mesh, par)?;
+    if !args.report {
+        return report_bound(&difference);
     }
     report!(
         "intersect",
@@ -270,7 +337,8 @@ fn report_result(
         "{intersecting} faces, {before} before"
     )?;
     report_quality(found)?;
-    report_difference(Difference::between(&input.mesh, &found.mesh, par)?)?;
+    report_bound(&difference)?;
+    report_difference(&difference)?;
     let length = edge_length_for(found.mesh.area(), vertices)?;
     report!("edges", length = length; "{length:.4e} long if all triangles were equilateral")
 }
@@ -305,9 +373,15 @@ fn report_quality(found: &Decimation) -> Result<()> {
     Ok(())
 }
 
-/// Reports the distances of a result from its input.
-fn report_difference(difference: Difference) -> Result<()> {
-    let Difference { hausdorff, chamfer, printed_hausdorff, printed_chamfer } = difference;
+/// Reports how far a point of the result or of the input is from the other surface at most.
+fn report_bound(difference: &Difference) -> Result<()> {
+    let bound = difference.hausdorff_bound;
+    report!("distance", bound = bound; "{bound:.4e} at most, of any point of either surface")
+}
+
+/// Reports the distances of the vertices of a result from its input, and back.
+fn report_difference(difference: &Difference) -> Result<()> {
+    let &Difference { hausdorff, chamfer, printed_hausdorff, printed_chamfer, .. } = difference;
     report!(
         "hausdorff": "Hausdorff",
         distance = hausdorff,

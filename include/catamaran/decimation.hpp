@@ -75,22 +75,21 @@ class decimation {
 public:
     /// Decimates a mesh.
     decimation(const mesh_view& mesh, std::size_t n, const decimation_options& how = {})
-        : before_vertices_(mesh.n_vertices), before_faces_(mesh.n_faces) {
-        cata_decimation_params params = detail::params_of(how);
-        detail::watcher watcher(how.progress);
-        watcher.attach(params);
-        cata_decimation* made = nullptr;
-        watcher.finish(cata_decimation_new(mesh.n_vertices, mesh.vertices, mesh.n_faces, mesh.faces,
-                                           n, &params, &made));
-        handle_.reset(made);
-        std::size_t n_vertices = 0, n_faces = 0;
-        std::int32_t repaired = 0;
-        detail::check(cata_decimation_size(made, &n_vertices, &n_faces, &repaired));
-        repaired_ = repaired != 0;
-        vertices_.resize(n_vertices);
-        faces_.resize(n_faces);
-        detail::check(
-            cata_decimation_get(made, detail::first_of(vertices_), detail::first_of(faces_)));
+        : decimation(mesh, how, cata_decimation_new, n) {}
+
+    /// The decimation to the fewest vertices that a search finds for which no point of either
+    /// surface is farther from the other one than `error`: cata_decimation_new_within.
+    static decimation within(const mesh_view& mesh, double error,
+                             const decimation_options& how = {}) {
+        return decimation(mesh, how, cata_decimation_new_within, error);
+    }
+
+    /// An upper bound of the distance of any point of either surface from the other one:
+    /// cata_decimation_bound.
+    double bound() const {
+        double found = 0;
+        detail::check(cata_decimation_bound(handle_.get(), &found));
+        return found;
     }
 
     /// Vertices of the result.
@@ -166,6 +165,26 @@ private:
     struct free {
         void operator()(cata_decimation* handle) const noexcept { cata_decimation_free(handle); }
     };
+
+    template <class Make, class Size>
+    decimation(const mesh_view& mesh, const decimation_options& how, Make make, Size size)
+        : before_vertices_(mesh.n_vertices), before_faces_(mesh.n_faces) {
+        cata_decimation_params params = detail::params_of(how);
+        detail::watcher watcher(how.progress);
+        watcher.attach(params);
+        cata_decimation* made = nullptr;
+        watcher.finish(make(mesh.n_vertices, mesh.vertices, mesh.n_faces, mesh.faces, size, &params,
+                            &made));
+        handle_.reset(made);
+        std::size_t n_vertices = 0, n_faces = 0;
+        std::int32_t repaired = 0;
+        detail::check(cata_decimation_size(made, &n_vertices, &n_faces, &repaired));
+        repaired_ = repaired != 0;
+        vertices_.resize(n_vertices);
+        faces_.resize(n_faces);
+        detail::check(
+            cata_decimation_get(made, detail::first_of(vertices_), detail::first_of(faces_)));
+    }
 
     std::size_t before_vertices_;
     std::size_t before_faces_;

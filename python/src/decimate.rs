@@ -1,6 +1,9 @@
 //! Decimation and farthest points.
 
-use catamaran_geometry::decimate::{DecimateOptions, FarthestPoints, Method, decimate as reduce};
+use catamaran_geometry::decimate::{
+    DecimateOptions, FarthestPoints, Method, decimate as reduce, decimate_within,
+};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
 use crate::array::{from_rows, from_vec};
@@ -27,17 +30,30 @@ arguments! {
 type Decimated<'py> =
     (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Parts<'py>);
 
+/// The size of the result.
+enum Size {
+    Vertices(usize),
+    /// Largest distance of the surfaces.
+    Within(f64),
+}
+
 /// See `catamaran.decimate`.
 #[pyfunction]
-#[pyo3(signature = (v, f, n, how, progress))]
+#[pyo3(signature = (v, f, n, error, how, progress))]
 pub fn decimate<'py>(
     py: Python<'py>,
     v: &Bound<'py, PyAny>,
     f: &Bound<'py, PyAny>,
-    n: usize,
+    n: Option<usize>,
+    error: Option<f64>,
     how: How,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Decimated<'py>> {
+    let size = match (n, error) {
+        (Some(n), None) => Size::Vertices(n),
+        (None, Some(error)) => Size::Within(error),
+        _ => return Err(PyTypeError::new_err("decimate: either n or error is needed")),
+    };
     let method =
         word("method", &how.method, &[("uniform", Method::Uniform), ("thesis", Method::Thesis)])?;
     let (par, first, mesh) = (par(how.threads)?, first_vertex(how.first)?, mesh(v, f)?);
@@ -51,7 +67,10 @@ pub fn decimate<'py>(
             .first(first)
             .par(par)
             .progress(progress);
-        let found = reduce(&mesh, n, &options)?;
+        let found = match size {
+            Size::Vertices(n) => reduce(&mesh, n, &options)?,
+            Size::Within(error) => decimate_within(&mesh, error, &options)?,
+        };
         let weights = found.weights(&mesh, par)?;
         Ok((found, weights))
     })?;

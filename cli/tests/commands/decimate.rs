@@ -86,6 +86,31 @@ fn a_mesh_has_as_many_vertices_as_are_asked_for_and_a_report() {
 }
 
 #[test]
+fn an_error_sets_the_number_of_vertices_and_the_report_has_the_distance_that_it_bounds() {
+    let folder = folder("in.ply", &sphere().into());
+    let bound = |said: &str| {
+        let line = said.lines().find(|line| line.starts_with("distance ")).unwrap();
+        line.split_whitespace().nth(1).unwrap().parse::<f64>().unwrap()
+    };
+    let said = folder.succeed("decimate in.ply --error 0.03 -o length.ply");
+    assert!(bound(&said) <= 0.03 && !said.contains("Hausdorff"), "{said}");
+    let few = read(&folder.path("length.ply")).unwrap().mesh;
+    assert!(few.vertices().len() < 400, "{said}");
+    // The diagonal of the ball's box is 2 sqrt(3).
+    let said = folder.succeed("decimate in.ply --error 0.2% -o share.ply --report");
+    assert!(bound(&said) <= 0.002 * 12f64.sqrt() && said.contains("Hausdorff"), "{said}");
+    assert!(read(&folder.path("share.ply")).unwrap().mesh.vertices().len() > few.vertices().len());
+    for (arguments, why) in [
+        ("--error 0", "expected a positive length"),
+        ("--error -1%", "expected a positive length"),
+        ("--error 0.1 -n 100", "cannot be used with"),
+    ] {
+        let run = folder.run(&format!("decimate in.ply {arguments} -o no.ply"));
+        assert!(run.code != Some(0) && run.stderr.contains(why), "{}", run.stderr);
+    }
+}
+
+#[test]
 fn requests_that_need_more_memory_than_allowed_say_how_much_before_they_start() {
     let folder = folder("in.ply", &sphere().into());
     let file = fs::metadata(folder.path("in.ply")).unwrap().len();

@@ -9,7 +9,8 @@ use catamaran::base::Progress;
 use catamaran::{Error, Par};
 use catamaran_geometry::decimate::{
     Cells, DecimateOptions, Decimation, Decimator, Difference, FarthestPoints, Method, Quality,
-    decimate, edge_length_for, resample, vertices_for_edge_length, vertices_for_faces,
+    decimate, decimate_within, edge_length_for, resample, vertices_for_edge_length,
+    vertices_for_faces,
 };
 use catamaran_geometry::mesh::io::{self, Attribute, MeshFile};
 use catamaran_geometry::mesh::{
@@ -725,6 +726,124 @@ fn differences_have_exact_values() {
     assert_eq!(refused.to_string(), "mesh: has no face");
     let found = Difference::between(&square, &square, Par::Threads(2)).unwrap();
     assert_eq!((found.hausdorff, found.printed_chamfer), (0.0, 0.0));
+}
+
+/// Triangles of this side at the corners of an equilateral one of side 1.
+fn corners_of_a_triangle(side: f64) -> [TriMesh; 2] {
+    let high = 3f64.sqrt() / 2.0;
+    let whole = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, high, 0.0]];
+    let parts = (0..3).flat_map(|k| {
+        let towards = |p: [f64; 3]| {
+            let at = |i: usize| whole[k][i] + side * (p[i] - whole[k][i]);
+            std::array::from_fn(at)
+        };
+        whole.map(towards)
+    });
+    let faces = vec![[0, 1, 2], [3, 4, 5], [6, 7, 8]];
+    [
+        TriMesh::new(whole.to_vec(), vec![[0, 1, 2]]).unwrap(),
+        TriMesh::new(parts.collect(), faces).unwrap(),
+    ]
+}
+
+#[test]
+fn the_bound_of_the_distance_is_of_all_points_not_of_vertices_alone() {
+    for side in [0.1, 0.01, 0.3] {
+        let [whole, parts] = corners_of_a_triangle(side);
+        // The middle is farthest from the corners that are left.
+        let exact = 1.0 / 3f64.sqrt() - side * 3f64.sqrt() / 2.0;
+        for [a, b] in [[&whole, &parts], [&parts, &whole]] {
+            let found = Difference::between(a, b, Par::Seq).unwrap();
+            assert!(found.hausdorff < 1e-15, "{found:?}");
+            let bound = found.hausdorff_bound;
+            assert!(bound >= exact * (1.0 - 1e-12) && bound <= 1.01 * exact, "{bound}, {exact}");
+        }
+    }
+}
+
+#[test]
+fn the_bound_of_the_distance_is_tight_for_surfaces_of_different_faces() {
+    // Two triangulations of one plane, and of a parallel one.
+    let coarse = families::grid(3, 2).unwrap();
+    let (vertices, faces) = families::grid(17, 23).unwrap().into_parts();
+    for height in [0.0, 0.125] {
+        let raised = vertices.iter().map(|p| [p[0], p[1], height]).collect();
+        let fine = TriMesh::new(raised, faces.clone()).unwrap();
+        let bound = Difference::between(&coarse, &fine, Par::Seq).unwrap().hausdorff_bound;
+        assert!(bound >= height && bound <= 1.01 * height + 1e-9, "{bound}, {height}");
+    }
+    // Spheres: a face of the coarse one is as deep as its middle, far from all its vertices.
+    let [ball, finest] = [2, 6].map(|level| families::icosphere(level).unwrap());
+    let norm = |p: [f64; 3]| distance(p, [0.0; 3]);
+    let depths = ball.faces().iter().map(|face| {
+        let corners = face.map(|v| ball.vertices()[v as usize]);
+        1.0 - norm(std::array::from_fn(|k| corners.iter().map(|p| p[k] / 3.0).sum()))
+    });
+    let deepest = depths.fold(0.0, f64::max);
+    for par in [Par::Seq, Par::Threads(3)] {
+        let bound = Difference::between(&ball, &finest, par).unwrap().hausdorff_bound;
+        // The middle of a face is nearly its deepest point; the finest ball is .0002 inside.
+        assert!(bound >= deepest - 3e-4 && bound <= 1.02 * deepest, "{bound}, {deepest}");
+        assert_eq!(bound, Difference::between(&ball, &finest, Par::Seq).unwrap().hausdorff_bound);
+    }
+}
+
+#[test]
+fn vertices_without_a_face_have_no_distance() {
+    let square = families::grid(1, 1).unwrap();
+    let mut vertices = square.vertices().to_vec();
+    vertices.push([0.0, 0.0, 7.0]);
+    let stray = TriMesh::new(vertices, square.faces().to_vec()).unwrap();
+    for [a, b] in [[&square, &stray], [&stray, &square]] {
+        let found = Difference::between(a, b, Par::Seq).unwrap();
+        assert_eq!([found.hausdorff, found.chamfer, found.printed_hausdorff], [0.0; 3]);
+    }
+}
+
+#[test]
+fn as_few_vertices_as_an_error_allows_are_found_and_less_would_not_do() {
+    let cases = [
+        ("icosphere", families::icosphere(4), 0.02),
+        ("torus", families::torus(61, 29, 2.0, 0.7), 0.05),
+        ("terrain", families::terrain(60, 50, 3), 0.01),
+        ("genus 3", families::genus(3, 6), 0.08),
+        ("spheres", families::spheres(3, 3), 0.1),
+        ("Moebius", families::moebius(100, 12), 0.02),
+    ];
+    for (name, mesh, error) in cases {
+        let mesh = mesh.unwrap();
+        let found = decimate_within(&mesh, error, &options()).unwrap();
+        let n = found.mesh.vertices().len();
+        check(name, &mesh, n, &found);
+        let bound = Difference::between(&mesh, &found.mesh, Par::Seq).unwrap().hausdorff_bound;
+        assert!(bound <= error, "{name}: {bound} with {n}");
+        assert_eq!(found, decimate(&mesh, n, &options()).unwrap(), "{name}");
+        // An oracle that knows vertices alone.
+        let compared = Comparison::between(&mesh, &found.mesh, Par::Seq).unwrap();
+        assert!(compared.out.largest.max(compared.back.largest) <= bound, "{name}: {compared:?}");
+        // Clearly fewer vertices are not enough.
+        let fewer = decimate(&mesh, 4 * n / 5, &options());
+        let enough = fewer.is_ok_and(|fewer| {
+            Difference::between(&mesh, &fewer.mesh, Par::Seq).unwrap().hausdorff_bound <= error
+        });
+        assert!(!enough, "{name}: {n} are more than needed");
+    }
+}
+
+#[test]
+fn an_error_that_cannot_be_reached_is_refused_with_what_was_reached() {
+    let mesh = families::icosphere(2).unwrap();
+    let small = options().relaxation(2);
+    let refused = decimate_within(&mesh, 1e-9, &small.resample(false)).unwrap_err().to_string();
+    assert!(refused.starts_with("error: 1e-9 can't be reached: with "), "{refused}");
+    for error in [0.0, -1.0, f64::NAN] {
+        let refused = decimate_within(&mesh, error, &small).unwrap_err().to_string();
+        assert!(refused.starts_with("error: "), "{refused}");
+    }
+    // A large face needs more vertices than the input has.
+    let solid = families::icosphere(0).unwrap();
+    let found = decimate_within(&solid, 0.1, &options()).unwrap();
+    assert!(found.mesh.vertices().len() > solid.vertices().len());
 }
 
 #[test]

@@ -35,6 +35,9 @@ class Difference(NamedTuple):
     #: Both as the thesis prints them, between vertices alone.
     printed_hausdorff: float
     printed_chamfer: float
+    #: An upper bound of the distance of any point of either surface from the other one: the
+    #: Hausdorff distance, or at most 1 % more.
+    hausdorff_bound: float
 
 
 class Decimated(NamedTuple):
@@ -87,8 +90,9 @@ class Decimated(NamedTuple):
 def decimate(
     v: ArrayLike,
     f: ArrayLike,
-    n: int,
+    n: Optional[int] = None,
     *,
+    error: Optional[float] = None,
     method: Reduction = "uniform",
     resample: bool = True,
     lloyd: int = 0,
@@ -98,7 +102,7 @@ def decimate(
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> Decimated:
-    """Decimate a mesh uniformly to exactly `n` vertices.
+    """Decimate a mesh uniformly to exactly `n` vertices, or to as few as `error` allows.
 
     The result is a manifold with the pieces, boundary loops and handles of the input, and nearly
     equal triangles.
@@ -109,6 +113,10 @@ def decimate(
         Vertices and faces of the input.
     n : int
         Vertices of the result.
+    error : float
+        Instead of `n`: the largest distance of a point of either surface from the other one, in
+        units of the mesh. The result has as few vertices as a search finds, at most 2 % more than
+        a number that is too small; `Difference.hausdorff_bound` is at most `error`.
     method : {"uniform", "thesis"}
         "thesis" is the algorithm of the thesis to the letter, not a manifold in general.
     resample : bool
@@ -143,7 +151,9 @@ def decimate(
         "first": first,
         "threads": threads,
     }
-    v, f, face, inside, weights = _catamaran.decimate(v, f, n, how, callback(progress))
+    v, f, face, inside, weights = _catamaran.decimate(
+        v, f, n, error, how, callback(progress)
+    )
     return Decimated(v, f, Origin(face, inside), to_scipy(weights))
 
 
