@@ -71,6 +71,12 @@ pub struct cata_decimation_params {
     /// 1: edges of the input stay whole, and n is at most its number of vertices. 0: those
     /// longer than the edges of the result are split first.
     pub keep_edges: i32,
+    /// Vertices that stay, each once: the first of the result, in this order, at the same
+    /// positions; edges between them stay, unless they are longer than those of the result and
+    /// split (cata_decimation_locked_edges). NULL: none.
+    pub locked: *const u32,
+    /// Number of `locked`, at most n.
+    pub n_locked: usize,
 }
 
 params!(cata_decimation_params, keep_edges: i32);
@@ -184,6 +190,28 @@ pub unsafe extern "C" fn cata_decimation_bound(
         let (own, place) = unsafe { (known("decimation", decimation)?, output("bound", bound)?) };
         let found = Difference::between(&own.input, &own.found.mesh, own.par)?;
         *place = found.hausdorff_bound;
+        Ok(())
+    })
+}
+
+/// Gets the number of edges of the input between locked vertices, and that of those which the
+/// result does not have: edges longer than its own were split. NULL where not wanted.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_decimation_locked_edges(
+    decimation: *const cata_decimation,
+    n_edges: *mut usize,
+    n_lost: *mut usize,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: clause `memory` (`n_edges`, one value; `n_lost`, one value), clause `handles`
+        // (`decimation`).
+        unsafe {
+            let found = &known("decimation", decimation)?.found;
+            tell! { n_edges: found.locked_edges, n_lost: found.lost_edges }
+        }
         Ok(())
     })
 }
@@ -492,6 +520,11 @@ pub(super) unsafe fn with_options<X>(
                 return Err(Failure::argument("params.method", any, other));
             }
         };
+        let locked = match params.n_locked {
+            0 => &[],
+            // SAFETY: clause `structs` (`params.locked`, `n_locked` elements).
+            count => unsafe { slice("params.locked", params.locked, count) }?,
+        };
         let options = DecimateOptions::new()
             .par(params.par())
             .method(method)
@@ -499,6 +532,7 @@ pub(super) unsafe fn with_options<X>(
             .lloyd(passes("params.lloyd", params.lloyd, default.lloyd)?)
             .relaxation(passes("params.relaxation", params.relaxation, default.relaxation)?)
             .cut_narrow_handles(flag("params.cut_narrow_handles", params.cut_narrow_handles)?)
+            .locked(locked)
             .first(flag("params.has_first", params.has_first)?.then_some(params.first))
             .progress(progress);
         Ok(work(&options)?)

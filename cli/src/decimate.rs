@@ -1,5 +1,6 @@
 //! `catamaran decimate`.
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -17,7 +18,7 @@ use clap::{ArgGroup, ValueEnum};
 
 use crate::common::{Force, Threads, as_option};
 use crate::defaults::variant;
-use crate::input::MeshArgs;
+use crate::input::{MeshArgs, TextFile};
 use crate::mesh::genus;
 use crate::output;
 use crate::picture::{PLAIN, PictureArgs};
@@ -77,6 +78,14 @@ pub struct Args {
     /// Vertex of the first sample, numbered from 0 [default: the lowest vertex that a face has].
     #[arg(long, value_name = "VERTEX")]
     first: Option<u32>,
+    /// Vertices that stay at their positions, the first of the result in this order: a file of
+    /// their numbers from 0, one a line. Edges between them stay, too, unless they are longer than
+    /// those of the result.
+    #[arg(long, value_name = "FILE")]
+    lock: Option<TextFile>,
+    /// The same for the vertices at which this scalar of the mesh is not 0, in ascending order.
+    #[arg(long, value_name = "NAME", conflicts_with = "lock")]
+    lock_by: Option<String>,
     /// Write the matrix that takes functions on the result to functions on the input, .mtx: a row
     /// for each vertex of the input, a column for each vertex of the result.
     #[arg(long, value_name = "FILE")]
@@ -169,6 +178,7 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let input = read(&args.input, &args.repair)?;
     let size = wanted(args, &input.mesh)?;
+    let locked = locked(args, &input)?;
     let par = args.threads.par();
 
     let bar = Bar::new("decimate");
@@ -179,6 +189,7 @@ pub fn run(args: &Args) -> Result<()> {
         .relaxation(args.relax)
         .cut_narrow_handles(args.cut_handles)
         .first(args.first)
+        .locked(&locked)
         .par(par)
         .progress(&update);
     let start = Instant::now();
@@ -194,6 +205,9 @@ pub fn run(args: &Args) -> Result<()> {
     let elapsed = start.elapsed();
     drop(bar);
     report_result(args, &input, &found, elapsed, par)?;
+    if !locked.is_empty() {
+        report_locked(&locked, &found)?;
+    }
 
     if let Some(output) = prolongation {
         let path = output.path().display().to_string();
@@ -243,6 +257,70 @@ pub fn read(path: &Path, repair: &MeshArgs) -> Result<MeshFile> {
     Ok(file)
 }
 
+/// Returns the vertices that stay.
+fn locked(args: &Args, input: &MeshFile) -> Result<Vec<u32>> {
+    if let Some(file) = &args.lock {
+        return numbers(file, input.mesh.vertices().len());
+    }
+    let Some(name) = &args.lock_by else { return Ok(Vec::new()) };
+    let Some(scalars) = input.scalars.iter().find(|scalars| scalars.name == *name) else {
+        let known: Vec<&str> = input.scalars.iter().map(|scalars| scalars.name.as_str()).collect();
+        let known = if known.is_empty() { "none".into() } else { known.join(", ") };
+        bail!("--lock-by {name}: {} has no such scalar: {known}", args.input.display());
+    };
+    let is_set = |value: f64| value != 0.0 && !value.is_nan();
+    let all = (0..).zip(&scalars.values).filter(|(_, value)| is_set(**value));
+    let vertices: Vec<u32> = all.map(|(v, _)| v).collect();
+    if vertices.is_empty() {
+        bail!("--lock-by {name}: {} is 0 at all vertices", args.input.display());
+    }
+    Ok(vertices)
+}
+
+/// Reads numbers of vertices, one a line; empty lines and those that begin with `#` are skipped.
+fn numbers(file: &TextFile, vertices: usize) -> Result<Vec<u32>> {
+    let text = file.read()?;
+    let mut known = HashMap::new();
+    let mut numbers = Vec::new();
+    for (at, line) in (1..).zip(text.lines()) {
+        let word = line.trim();
+        if word.is_empty() || word.starts_with('#') {
+            continue;
+        }
+        let here = || format!("{}: line {at}", file.name());
+        let number = word.parse().ok().filter(|&v: &u32| (v as usize) < vertices);
+        let Some(number) = number else {
+            bail!("{}: '{word}' is not a vertex from 0 to {}", here(), vertices.saturating_sub(1));
+        };
+        if let Some(before) = known.insert(number, at) {
+            bail!("{}: vertex {number} is also in line {before}", here());
+        }
+        numbers.push(number);
+    }
+    if numbers.is_empty() {
+        bail!("{}: names no vertex", file.name());
+    }
+    Ok(numbers)
+}
+
+/// Reports the vertices that stay, and the edges between them.
+fn report_locked(locked: &[u32], found: &Decimation) -> Result<()> {
+    let (vertices, edges, lost) = (locked.len(), found.locked_edges, found.lost_edges);
+    if lost > 0 {
+        note(format_args!(
+            "{lost} of {edges} edges between locked vertices are longer than those of the result, \
+             and split"
+        ));
+    }
+    status!(
+        "locked",
+        vertices = vertices,
+        edges = edges - lost;
+        "{vertices} vertices, and {} edges between them",
+        edges - lost
+    )
+}
+
 /// Names the option that set the number of vertices, where an error of the library is about it.
 fn refused(error: catamaran::Error, args: &Args) -> anyhow::Error {
     let option = match (args.ratio, args.faces, args.edge_length) {
@@ -252,6 +330,9 @@ fn refused(error: catamaran::Error, args: &Args) -> anyhow::Error {
         _ => "-n".into(),
     };
     match error {
+        catamaran::Error::Argument { what: "locked", why } => {
+            anyhow!("{}: {why}", if args.lock_by.is_some() { "--lock-by" } else { "--lock" })
+        }
         catamaran::Error::Argument { what: "n" | "error", why } if args.error.is_some() => {
             anyhow!("--error: {why}")
         }

@@ -25,8 +25,19 @@ struct decimation_options {
     bool cut_narrow_handles = false;
     /// Whether edges of the input stay whole.
     bool keep_edges = false;
+    /// Vertices that stay, each once: the first of the result, in this order; edges between them
+    /// stay, unless they are longer than those of the result (decimation::locked_edges).
+    std::vector<std::uint32_t> locked;
     /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
+};
+
+/// Edges between locked vertices: cata_decimation_locked_edges.
+struct locked_edge_counts {
+    /// Those of the input.
+    std::size_t edges = 0;
+    /// Those which the result does not have.
+    std::size_t lost = 0;
 };
 
 /// Where vertices of a decimated mesh lie on the input, and those of the input in their cells.
@@ -65,6 +76,8 @@ inline cata_decimation_params params_of(const decimation_options& how) {
     params.first = how.first.value_or(0);
     params.cut_narrow_handles = how.cut_narrow_handles ? 1 : 0;
     params.keep_edges = how.keep_edges ? 1 : 0;
+    params.locked = how.locked.empty() ? nullptr : how.locked.data();
+    params.n_locked = how.locked.size();
     return params;
 }
 
@@ -89,6 +102,13 @@ public:
     double bound() const {
         double found = 0;
         detail::check(cata_decimation_bound(handle_.get(), &found));
+        return found;
+    }
+
+    /// Edges between locked vertices.
+    locked_edge_counts locked_edges() const {
+        locked_edge_counts found;
+        detail::check(cata_decimation_locked_edges(handle_.get(), &found.edges, &found.lost));
         return found;
     }
 

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 
 use crate::array::{from_rows, from_vec};
 use crate::mesh::{arrays, first_vertex, mesh, numbers};
-use crate::options::{Threads, arguments, par, word};
+use crate::options::{Threads, arguments, par, vertex, word};
 use crate::sparse::{Parts, parts};
 use crate::task::{Length, run};
 
@@ -21,14 +21,16 @@ arguments! {
         relaxation: usize,
         cut_narrow_handles: bool,
         first: Option<i64>,
+        locked: Vec<i64>,
         threads: Threads,
     }
 }
 
-/// Vertices, faces, the face of the input at each vertex, its weights there, and the matrix from
-/// functions on the result to functions on the input.
+/// Vertices, faces, the face of the input at each vertex, its weights there, the matrix from
+/// functions on the result to functions on the input, and the number of lost edges between locked
+/// vertices.
 type Decimated<'py> =
-    (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Parts<'py>);
+    (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Parts<'py>, usize);
 
 /// The size of the result.
 enum Size {
@@ -56,6 +58,7 @@ pub fn decimate<'py>(
     };
     let method =
         word("method", &how.method, &[("uniform", Method::Uniform), ("thesis", Method::Thesis)])?;
+    let locked = how.locked.iter().map(|&v| vertex("locked", v)).collect::<PyResult<Vec<_>>>()?;
     let (par, first, mesh) = (par(how.threads)?, first_vertex(how.first)?, mesh(v, f)?);
     let (found, weights) = run(py, Length::Long, progress, move |progress| {
         let options = DecimateOptions::new()
@@ -65,6 +68,7 @@ pub fn decimate<'py>(
             .relaxation(how.relaxation)
             .cut_narrow_handles(how.cut_narrow_handles)
             .first(first)
+            .locked(&locked)
             .par(par)
             .progress(progress);
         let found = match size {
@@ -76,9 +80,10 @@ pub fn decimate<'py>(
     })?;
     let of_faces = numbers(py, found.places.iter().map(|place| place.face));
     let inside = found.places.iter().map(|place| place.weights).collect();
+    let lost = found.lost_edges;
     let (v, f) = arrays(py, found.mesh)?;
     let inside = from_rows(py, inside)?.into_any();
-    Ok((v, f, of_faces, inside, parts(py, weights)))
+    Ok((v, f, of_faces, inside, parts(py, weights), lost))
 }
 
 /// Samples, the nearest sample of each vertex (-1 without), and its distance; see

@@ -3,7 +3,7 @@
 use std::fs;
 
 use catamaran::io::{Output, Overwrite};
-use catamaran_geometry::mesh::io::{Attribute, MeshFile, read, write};
+use catamaran_geometry::mesh::io::{Attribute, MeshFile, Scalars, read, write};
 use catamaran_geometry::mesh::{TriMesh, families};
 
 use crate::common::Folder;
@@ -108,6 +108,43 @@ fn an_error_sets_the_number_of_vertices_and_the_report_has_the_distance_that_it_
         let run = folder.run(&format!("decimate in.ply {arguments} -o no.ply"));
         assert!(run.code != Some(0) && run.stderr.contains(why), "{}", run.stderr);
     }
+}
+
+#[test]
+fn locked_vertices_come_first_and_stay_where_they_are() {
+    let mesh = sphere();
+    let mut file = MeshFile::from(mesh.clone());
+    let values = (0..mesh.vertices().len()).map(|v| f64::from(u8::from(v == 9 || v == 300)));
+    file.scalars.push(Scalars { name: "fixed".into(), values: values.collect() });
+    let folder = folder("in.ply", &file);
+    folder.write("fixed.txt", "# three\n\n300\n7\n2000\n");
+    for (option, vertices) in
+        [("--lock fixed.txt", vec![300, 7, 2000]), ("--lock-by fixed", vec![9, 300])]
+    {
+        let said = folder.succeed(&format!("decimate in.ply -n 100 {option} -o out.ply --force"));
+        assert!(said.contains(&format!("locked      {} vertices", vertices.len())), "{said}");
+        let made = read(&folder.path("out.ply")).unwrap().mesh;
+        assert_eq!(made.vertices().len(), 100);
+        for (at, v) in vertices.into_iter().enumerate() {
+            assert_eq!(made.vertices()[at], mesh.vertices()[v]);
+        }
+    }
+    for (text, why) in [
+        ("5\nx\n", "wrong.txt: line 2: 'x' is not a vertex from 0 to 2561"),
+        ("2562\n", "wrong.txt: line 1: '2562' is not a vertex from 0 to 2561"),
+        ("5\n6\n5\n", "wrong.txt: line 3: vertex 5 is also in line 1"),
+        ("# nothing\n", "wrong.txt: names no vertex"),
+    ] {
+        folder.write("wrong.txt", text);
+        let said = folder.fail("decimate in.ply -n 100 --lock wrong.txt -o no.ply");
+        assert!(said.contains(why), "{said}");
+    }
+    let said = folder.fail("decimate in.ply -n 100 --lock-by loose -o no.ply");
+    assert!(said.contains("--lock-by loose: in.ply has no such scalar: fixed"), "{said}");
+    let said = folder.fail("decimate in.ply -n 5 --lock fixed.txt --method thesis -o no.ply");
+    assert!(said.contains("--lock: the method of the thesis locks no vertices"), "{said}");
+    let said = folder.fail("decimate in.ply -n 100 --lock none.txt -o no.ply");
+    assert!(said.contains("none.txt"), "{said}");
 }
 
 #[test]

@@ -18,6 +18,7 @@ mod gaps;
 mod guard;
 mod handles;
 mod lloyd;
+mod locks;
 mod loss;
 mod mend;
 mod options;

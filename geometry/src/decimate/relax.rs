@@ -171,7 +171,7 @@ fn target(
 ) -> Option<Found> {
     let here = patch.position(v);
     let anchor = patch.anchors[v as usize];
-    if patch.around(v).is_empty() {
+    if patch.around(v).is_empty() || patch.locked[v as usize] {
         return None;
     }
     if patch.on_boundary[v as usize] {

@@ -788,6 +788,145 @@ fn the_bound_of_the_distance_is_tight_for_surfaces_of_different_faces() {
     }
 }
 
+/// Checks that the first vertices of a result are these of the input, to the last bit, and that
+/// edges between them are there.
+fn check_locks(name: &str, mesh: &TriMesh, locked: &[u32], found: &Decimation) {
+    let bits = |p: [f64; 3]| p.map(f64::to_bits);
+    for (at, &v) in locked.iter().enumerate() {
+        let [was, is] = [mesh.vertices()[v as usize], found.mesh.vertices()[at]];
+        assert_eq!(bits(was), bits(is), "{name}: vertex {v}");
+    }
+    let pairs = |mesh: &TriMesh| Edges::new(mesh).ends().to_vec();
+    let there = pairs(&found.mesh);
+    let at = |v: u32| locked.iter().position(|&w| w == v).map(|at| at as u32);
+    let mut count = 0;
+    for [a, b] in pairs(mesh) {
+        if let (Some(a), Some(b)) = (at(a), at(b)) {
+            count += 1;
+            let is_there = there.contains(&[a.min(b), a.max(b)]);
+            assert!(is_there || found.lost_edges > 0, "{name}: edge {a} {b}");
+        }
+    }
+    assert_eq!(found.locked_edges, count, "{name}");
+}
+
+#[test]
+fn locked_vertices_and_the_edges_between_them_stay_on_every_family() {
+    let cases = [
+        ("icosphere", families::icosphere(4), vec![60, 500, 2562]),
+        ("spheres", families::spheres(3, 3), vec![80, 200]),
+        ("torus", families::torus(61, 29, 2.0, 0.7), vec![90, 300]),
+        ("genus 3", families::genus(3, 6), vec![200, 500]),
+        ("figure", families::figure(5, 0.5), vec![200, 400]),
+        ("grid", families::grid(40, 30), vec![97, 500]),
+        ("terrain", families::terrain(60, 50, 3), vec![101, 600]),
+        ("disk", families::disk(20, 60), vec![100, 400]),
+        ("cylinder", families::cylinder(60, 20, 1.0, 1.0), vec![100, 500]),
+        ("Moebius", families::moebius(100, 12), vec![100, 500]),
+    ];
+    let mut rng = catamaran::base::Rng::new(8);
+    for (name, mesh, sizes) in cases {
+        let mesh = mesh.unwrap();
+        let vertices = mesh.vertices().len();
+        // A path over edges, which may run along the boundary or beside it, and vertices anywhere.
+        let edges = Edges::new(&mesh);
+        let mut path = vec![0u32];
+        while path.len() < 20 {
+            let end = path[path.len() - 1];
+            let ends = edges.ends().iter().filter(|ends| ends.contains(&end));
+            let others = ends.map(|&[a, b]| if a == end { b } else { a });
+            let Some(next) = others.filter(|v| !path.contains(v)).last() else { break };
+            path.push(next);
+        }
+        while path.len() < 35 {
+            let v = (rng.uniform() * vertices as f64) as u32;
+            if !path.contains(&v) {
+                path.push(v);
+            }
+        }
+        for n in sizes {
+            for options in [options().locked(&path), options().locked(&path).lloyd(1).relaxation(0)]
+            {
+                let name = format!("{name} to {n}");
+                let found = decimate(&mesh, n, &options).unwrap_or_else(|e| panic!("{name}: {e}"));
+                check(&name, &mesh, n, &found);
+                check_locks(&name, &mesh, &path, &found);
+                // Triangles that are smaller than those of the result have no long edges.
+                assert!(found.lost_edges == 0 || 4 * n > vertices, "{name}");
+            }
+        }
+    }
+}
+
+#[test]
+fn locks_that_are_none_change_nothing_and_impossible_ones_are_refused() {
+    let mesh = families::torus(61, 29, 2.0, 0.7).unwrap();
+    let without = decimate(&mesh, 100, &options()).unwrap();
+    assert_eq!((without.locked_edges, without.lost_edges), (0, 0));
+    assert_eq!(without, decimate(&mesh, 100, &options().locked(&[])).unwrap());
+    let many: Vec<u32> = (0..100).collect();
+    let stray = {
+        let (mut vertices, faces) = mesh.clone().into_parts();
+        vertices.push([0.0; 3]);
+        TriMesh::new(vertices, faces).unwrap()
+    };
+    let last = mesh.vertices().len() as u32;
+    for (locked, n, why) in [
+        (&many[..], 99, "n: 99, but 100 vertices are locked"),
+        (&[3, 5, 3], 50, "locked: has vertex 3 twice"),
+        (&[7, last], 50, "locked: must be a vertex with a face, is 1769 of 1770"),
+        (&[u32::MAX], 50, "locked: must be a vertex with a face, is 4294967295 of 1770"),
+    ] {
+        let refused = decimate(&stray, n, &options().locked(locked)).unwrap_err().to_string();
+        assert_eq!(refused, why);
+    }
+    let literal = options().locked(&[1]).method(Method::Thesis);
+    let refused = decimate(&mesh, 50, &literal).unwrap_err().to_string();
+    assert!(refused.starts_with("locked: "), "{refused}");
+    // All vertices of the result may be locked.
+    let ring: Vec<u32> = without
+        .places
+        .iter()
+        .map(|p| mesh.faces()[p.face as usize][0])
+        .collect::<std::collections::BTreeSet<_>>()
+        .into_iter()
+        .collect();
+    let found = decimate(&mesh, ring.len(), &options().locked(&ring)).unwrap();
+    check("all", &mesh, ring.len(), &found);
+    check_locks("all", &mesh, &ring, &found);
+}
+
+#[test]
+fn locks_survive_repairs_another_order_and_longer_edges() {
+    // A mesh whose neighbours are far from each other in memory, and which has a fan too many.
+    let (mut vertices, faces) = families::icosphere(5).unwrap().into_parts();
+    let half = vertices.len().div_ceil(2) as u32;
+    let number = |v: u32| v / 2 + half * (v % 2);
+    let old = vertices.clone();
+    old.iter().zip(0..).for_each(|(&p, v)| vertices[number(v) as usize] = p);
+    let faces: Vec<_> = faces.iter().map(|face| face.map(number)).collect();
+    let scattered = TriMesh::new(vertices.clone(), faces.clone()).unwrap();
+    let locked = [5, 4000, 17, 3, 9000];
+    let found = decimate(&scattered, 500, &options().locked(&locked)).unwrap();
+    check_locks("scattered", &scattered, &locked, &found);
+    let twice: Vec<_> = faces.iter().chain([&faces[7]]).copied().collect();
+    let repeated = TriMesh::new(vertices, twice).unwrap();
+    let found = decimate(&repeated, 500, &options().locked(&locked)).unwrap();
+    assert_eq!(found.repairs.repeated_faces, 1);
+    check_locks("repeated", &repeated, &locked, &found);
+    // Edges that are longer than those of the result are split, and counted; vertices stay.
+    let solid = families::icosphere(0).unwrap();
+    let all: Vec<u32> = (0..12).rev().collect();
+    let found = decimate(&solid, 400, &options().locked(&all)).unwrap();
+    check("solid", &solid, 400, &found);
+    check_locks("solid", &solid, &all, &found);
+    assert_eq!((found.locked_edges, found.lost_edges), (30, 30));
+    let whole = options().locked(&all).resample(false);
+    let found = decimate(&solid, 12, &whole).unwrap();
+    assert_eq!((found.locked_edges, found.lost_edges), (30, 0));
+    check_locks("whole", &solid, &all, &found);
+}
+
 #[test]
 fn vertices_without_a_face_have_no_distance() {
     let square = families::grid(1, 1).unwrap();

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, Optional, Union
+from typing import Any, List, NamedTuple, Optional, Union, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
-from ._options import Progress, callback, to_nearest, to_scipy
+from ._options import Progress, callback, to_nearest, to_scipy, warn_caller
 from ._surface import Mesh, MeshLike, MeshOrArrays, blended, mesh_arrays, needed, takes_mesh
 from ._words import Reduction
 
@@ -99,6 +99,7 @@ def decimate(
     relaxation: int = 12,
     cut_narrow_handles: bool = False,
     first: Optional[int] = None,
+    locked: ArrayLike = (),
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> Decimated:
@@ -127,6 +128,10 @@ def decimate(
         Whether handles too narrow for the triangles of the result are cut, and closed.
     first : int, optional
         The vertex that sampling starts at.
+    locked : array_like of int
+        Vertices that stay, each once, or a mask of all vertices: they are the first of the result, in this order, at exactly
+        the same positions. Edges between them stay, too, except for those longer than the edges
+        of the result, of which a warning tells.
     threads, progress
         As in `ata`.
 
@@ -149,12 +154,25 @@ def decimate(
         "relaxation": relaxation,
         "cut_narrow_handles": cut_narrow_handles,
         "first": first,
+        "locked": _numbers(locked),
         "threads": threads,
     }
-    v, f, face, inside, weights = _catamaran.decimate(
+    v, f, face, inside, weights, lost = _catamaran.decimate(
         v, f, n, error, how, callback(progress)
     )
+    if lost:
+        warn_caller(
+            f"{lost} edges between locked vertices are longer than those of the result, and split"
+        )
     return Decimated(v, f, Origin(face, inside), to_scipy(weights))
+
+
+def _numbers(vertices: ArrayLike) -> List[int]:
+    """Return the numbers of vertices, which may come as a mask."""
+    array = np.asarray(vertices)
+    if array.dtype == bool:
+        array = np.flatnonzero(array)
+    return cast(List[int], array.ravel().tolist())
 
 
 class FarthestPoints(NamedTuple):
