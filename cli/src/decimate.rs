@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, anyhow, bail};
 use catamaran::Par;
@@ -50,6 +50,16 @@ pub struct Args {
     /// Approximate length of the edges of the result, in units of the mesh.
     #[arg(long, value_name = "LENGTH", group = "size")]
     edge_length: Option<f64>,
+    /// Numbers of vertices of several results, each decimated from the one before, such as
+    /// 5000,1000,200, for levels of detail. In the name of -o, {} stands for the number.
+    #[arg(
+        long,
+        value_name = "N,...",
+        value_delimiter = ',',
+        group = "size",
+        conflicts_with = "prolongation"
+    )]
+    levels: Vec<usize>,
     /// Largest distance of a point of either surface from the other one, in units of the mesh or as
     /// a percentage of the diagonal of its box, such as 0.5%: the result has as few vertices as the
     /// search finds, up to 2 % more than a number that is too small. The distance is measured on
@@ -102,6 +112,9 @@ pub struct Args {
     #[command(flatten)]
     force: Force,
 }
+
+/// Stands for the number of vertices in the names of results.
+const NUMBER: &str = "{}";
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Kind {
@@ -166,8 +179,9 @@ enum Size {
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
-    files::check_name(&args.output)?;
-    let output = args.force.create(&args.output)?;
+    let names = outputs(args)?;
+    names.iter().try_for_each(|name| files::check_name(name))?;
+    let outputs = names.iter().map(|name| args.force.create(name)).collect::<Result<Vec<_>>>()?;
     let picture = args.picture.create(args.force)?;
     let prolongation = match &args.prolongation {
         Some(path) if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("mtx")) => {
@@ -177,41 +191,30 @@ pub fn run(args: &Args) -> Result<()> {
         None => None,
     };
     let input = read(&args.input, &args.repair)?;
-    let size = wanted(args, &input.mesh)?;
+    let sizes = wanted(args, &input.mesh)?;
     let locked = locked(args, &input)?;
     let par = args.threads.par();
 
-    let bar = Bar::new("decimate");
-    let update = |fraction| bar.update(fraction);
-    let options = DecimateOptions::new()
-        .method(args.method.into())
-        .lloyd(args.lloyd)
-        .relaxation(args.relax)
-        .cut_narrow_handles(args.cut_handles)
-        .first(args.first)
-        .locked(&locked)
-        .par(par)
-        .progress(&update);
-    let start = Instant::now();
-    let path = args.input.display();
-    let found = match size {
-        Size::Vertices(n) => decimate(&input.mesh, n, &options)
-            .map_err(|error| refused(error, args))
-            .with_context(|| format!("{path}: can't be decimated to {n} vertices"))?,
-        Size::Within(error) => decimate_within(&input.mesh, error, &options)
-            .map_err(|error| refused(error, args))
-            .with_context(|| format!("{path}: can't be decimated within {error:e}"))?,
-    };
-    let elapsed = start.elapsed();
-    drop(bar);
-    report_result(args, &input, &found, elapsed, par)?;
-    if !locked.is_empty() {
-        report_locked(&locked, &found)?;
+    let mut levels: Vec<Level> = Vec::new();
+    for size in sizes {
+        let level = match levels.last() {
+            None => Level::new(args, &input, size, args.first, &locked)?,
+            Some(before) => {
+                // The locked vertices are the first ones of each level.
+                let stay: Vec<u32> = (0..locked.len() as u32).collect();
+                Level::new(args, &before.file, size, None, &stay)?
+            }
+        };
+        report_result(args, &input, &level, par)?;
+        if !locked.is_empty() {
+            report_locked(&locked, &level.found)?;
+        }
+        levels.push(level);
     }
 
-    if let Some(output) = prolongation {
+    if let (Some(output), Some(level)) = (prolongation, levels.first()) {
         let path = output.path().display().to_string();
-        let matrix = found.weights(&input.mesh, par)?;
+        let matrix = level.found.weights(&input.mesh, par)?;
         write_sparse(output, &matrix)?;
         let (rows, columns) = matrix.shape();
         let entries = matrix.nnz();
@@ -225,17 +228,83 @@ pub fn run(args: &Args) -> Result<()> {
         )?;
     }
     if let Some(picture) = picture {
-        let panels = [(&input.mesh, PLAIN, "before"), (&found.mesh, PLAIN, "after")];
+        let mut panels = vec![(&input.mesh, PLAIN, "before")];
+        panels.extend(levels.iter().map(|level| (&level.found.mesh, PLAIN, "after")));
         args.picture.draw_faces(picture, &args.input, &panels)?;
     }
-    let path = output.path().display().to_string();
     let left_out = Decimation::left_out(&input);
-    output::mesh(output, &found.carry(&input)?)?;
-    if !left_out.is_empty() {
-        let what = left_out.join(", ");
-        note(format_args!("{path}: {what} of the input are not carried over"));
+    for (output, level) in outputs.into_iter().zip(levels) {
+        let path = output.path().display().to_string();
+        output::mesh(output, &level.file)?;
+        if !left_out.is_empty() {
+            let what = left_out.join(", ");
+            note(format_args!("{path}: {what} of the input are not carried over"));
+        }
+        status!("written", path = path; "{path}")?;
     }
-    status!("written", path = path; "{path}")
+    Ok(())
+}
+
+/// Returns the names of the results.
+fn outputs(args: &Args) -> Result<Vec<PathBuf>> {
+    if args.levels.is_empty() {
+        return Ok(vec![args.output.clone()]);
+    }
+    if !args.levels.is_sorted_by(|n, next| n > next) {
+        bail!("--levels: each must have fewer vertices than the one before");
+    }
+    let Some(name) = args.output.to_str().filter(|name| name.contains(NUMBER)) else {
+        bail!(
+            "{}: with --levels, {NUMBER} must stand for the number of vertices in the name of -o, \
+             as in lod-{NUMBER}.ply",
+            args.output.display()
+        );
+    };
+    Ok(args.levels.iter().map(|n| name.replace(NUMBER, &n.to_string()).into()).collect())
+}
+
+/// A result.
+struct Level {
+    found: Decimation,
+    /// With what is carried over.
+    file: MeshFile,
+    elapsed: Duration,
+}
+
+impl Level {
+    /// Decimates a mesh.
+    fn new(
+        args: &Args,
+        from: &MeshFile,
+        size: Size,
+        first: Option<u32>,
+        locked: &[u32],
+    ) -> Result<Self> {
+        let bar = Bar::new("decimate");
+        let update = |fraction| bar.update(fraction);
+        let options = DecimateOptions::new()
+            .method(args.method.into())
+            .lloyd(args.lloyd)
+            .relaxation(args.relax)
+            .cut_narrow_handles(args.cut_handles)
+            .first(first)
+            .locked(locked)
+            .par(args.threads.par())
+            .progress(&update);
+        let start = Instant::now();
+        let path = args.input.display();
+        let found = match size {
+            Size::Vertices(n) => decimate(&from.mesh, n, &options)
+                .map_err(|error| refused(error, args))
+                .with_context(|| format!("{path}: can't be decimated to {n} vertices"))?,
+            Size::Within(error) => decimate_within(&from.mesh, error, &options)
+                .map_err(|error| refused(error, args))
+                .with_context(|| format!("{path}: can't be decimated within {error:e}"))?,
+        };
+        let elapsed = start.elapsed();
+        let file = found.carry(from)?;
+        Ok(Self { found, file, elapsed })
+    }
 }
 
 /// Reads a mesh, repairs it, and reports its size.
@@ -327,6 +396,7 @@ fn refused(error: catamaran::Error, args: &Args) -> anyhow::Error {
         (Some(ratio), ..) => format!("--ratio {ratio}"),
         (_, Some(faces), _) => format!("--faces {faces}"),
         (.., Some(length)) => format!("--edge-length {length:e}"),
+        _ if !args.levels.is_empty() => "--levels".into(),
         _ => "-n".into(),
     };
     match error {
@@ -341,37 +411,40 @@ fn refused(error: catamaran::Error, args: &Args) -> anyhow::Error {
     }
 }
 
-fn wanted(args: &Args, input: &TriMesh) -> Result<Size> {
+/// Returns the sizes of the results.
+fn wanted(args: &Args, input: &TriMesh) -> Result<Vec<Size>> {
+    if !args.levels.is_empty() {
+        return Ok(args.levels.iter().copied().map(Size::Vertices).collect());
+    }
+    if let Some(error) = args.error {
+        return Ok(vec![Size::Within(error.of(input))]);
+    }
+    Ok(vec![Size::Vertices(number(args, input)?)])
+}
+
+/// Returns the number of vertices of a single result.
+fn number(args: &Args, input: &TriMesh) -> Result<usize> {
     if let Some(ratio) = args.ratio {
         if !(ratio > 0.0 && ratio.is_finite()) {
             bail!("--ratio {ratio}: a finite number above 0 is needed");
         }
-        let n = (ratio * input.vertices().len() as f64).round().max(1.0);
-        return Ok(Size::Vertices(n as usize));
+        return Ok((ratio * input.vertices().len() as f64).round().max(1.0) as usize);
     }
     if let Some(faces) = args.faces {
-        return vertices_for_faces(input, faces).map(Size::Vertices).map_err(as_option);
+        return vertices_for_faces(input, faces).map_err(as_option);
     }
     if let Some(length) = args.edge_length {
-        let n = vertices_for_edge_length(input.area(), length).map_err(|error| match error {
+        return vertices_for_edge_length(input.area(), length).map_err(|error| match error {
             catamaran::Error::Argument { what: "length", why } => anyhow!("--edge-length: {why}"),
             error => error.into(),
         });
-        return n.map(Size::Vertices);
     }
-    if let Some(error) = args.error {
-        return Ok(Size::Within(error.of(input)));
-    }
-    args.n.map(Size::Vertices).context("-n is needed")
+    args.n.context("-n is needed")
 }
 
-fn report_result(
-    args: &Args,
-    input: &MeshFile,
-    found: &Decimation,
-    elapsed: std::time::Duration,
-    par: Par,
-) -> Result<()> {
+fn report_result(args: &Args, input: &MeshFile, level: &Level, par: Par) -> Result<()> {
+    let Level { found, elapsed, .. } = level;
+    let elapsed = *elapsed;
     let (vertices, faces) = (found.mesh.vertices().len(), found.mesh.faces().len());
     status!(
         "decimated",

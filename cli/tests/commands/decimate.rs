@@ -148,6 +148,37 @@ fn locked_vertices_come_first_and_stay_where_they_are() {
 }
 
 #[test]
+fn levels_are_decimated_from_each_other_and_named_by_their_numbers() {
+    let mesh = sphere();
+    let mut file = MeshFile::from(mesh.clone());
+    file.colors = Some(vec![[1.0, 0.5, 0.0, 1.0]; mesh.vertices().len()]);
+    let folder = folder("in.ply", &file);
+    folder.write("fixed.txt", "300\n7\n");
+    let said = folder
+        .succeed("decimate in.ply --levels 400,120,30 --lock fixed.txt -o lod-{}.ply --report");
+    assert_eq!(said.matches("Hausdorff").count(), 3, "{said}");
+    let level = |n: usize| read(&folder.path(&format!("lod-{}.ply"))).unwrap();
+    for n in [400, 120, 30] {
+        let made = level(n);
+        assert_eq!(made.mesh.vertices().len(), n);
+        assert_eq!(made.mesh.vertices()[..2], [mesh.vertices()[300], mesh.vertices()[7]]);
+        assert!(made.colors.is_some());
+    }
+    folder.write("first.txt", "0\n1\n");
+    folder.succeed("decimate lod-400.ply -n 120 --lock first.txt -o alone.ply");
+    let alone = read(&folder.path("alone.ply")).unwrap().mesh;
+    assert_eq!(alone, level(120).mesh);
+    for (arguments, why) in [
+        ("--levels 100,50 -o no.ply", "{} must stand for the number of vertices"),
+        ("--levels 50,100 -o no-{}.ply", "--levels: each must have fewer vertices"),
+        ("--levels 50,2 -o no-{}.ply", "--levels: 2, but 1 components need 4 vertices"),
+    ] {
+        let said = folder.fail(&format!("decimate in.ply {arguments}"));
+        assert!(said.contains(why), "{said}");
+    }
+}
+
+#[test]
 fn requests_that_need_more_memory_than_allowed_say_how_much_before_they_start() {
     let folder = folder("in.ply", &sphere().into());
     let file = fs::metadata(folder.path("in.ply")).unwrap().len();
