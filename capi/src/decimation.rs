@@ -210,7 +210,10 @@ pub unsafe extern "C" fn cata_decimation_locked_edges(
         // (`decimation`).
         unsafe {
             let found = &known("decimation", decimation)?.found;
-            tell! { n_edges: found.locked_edges, n_lost: found.lost_edges }
+            tell! {
+                n_edges: found.locked_edges,
+                n_lost: found.lost_edges,
+            }
         }
         Ok(())
     })
@@ -520,7 +523,7 @@ pub(super) unsafe fn with_options<X>(
                 return Err(Failure::argument("params.method", any, other));
             }
         };
-        let locked = match params.n_locked {
+        let locked: &[u32] = match params.n_locked {
             0 => &[],
             // SAFETY: clause `structs` (`params.locked`, `n_locked` elements).
             count => unsafe { slice("params.locked", params.locked, count) }?,

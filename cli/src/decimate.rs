@@ -180,7 +180,9 @@ enum Size {
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
     let names = outputs(args)?;
-    names.iter().try_for_each(|name| files::check_name(name))?;
+    for name in &names {
+        files::check_name(name)?;
+    }
     let outputs = names.iter().map(|name| args.force.create(name)).collect::<Result<Vec<_>>>()?;
     let picture = args.picture.create(args.force)?;
     let prolongation = match &args.prolongation {

@@ -55,7 +55,7 @@ pub(super) fn bound(
                     corners[face[k] as usize].sqrt() + away.sqrt()
                 };
                 let most = reach(0).min(reach(1)).min(reach(2));
-                found.sort(part.to_vec(), most, limit);
+                found.sort(part, most, limit);
             }
             found
         })?;
@@ -104,11 +104,11 @@ impl Found {
     }
 
     /// Adds a part without a point farther than `most`.
-    fn sort(&mut self, part: Part, most: f64, limit: f64) {
+    fn sort(&mut self, part: impl Into<Part>, most: f64, limit: f64) {
         if most <= limit {
             self.highest = self.highest.max(most);
         } else {
-            self.open.push(part);
+            self.open.push(part.into());
         }
     }
 

@@ -125,7 +125,9 @@ pub(super) fn exchange(patch: &mut Patch) -> Result<()> {
         if !untouched(patch, edge) || !patch.can_collapse(a, b) {
             continue;
         }
-        let may_split = |edge: &&_| untouched(patch, edge) && !patch.is_kept(edge.1[0], edge.1[1]);
+        let may_split = |edge: &&(f64, [u32; 2])| {
+            untouched(patch, edge) && !patch.is_kept(edge.1[0], edge.1[1])
+        };
         let Some(&(_, [c, d])) = pairs.find(may_split) else { break };
         if [c, d].iter().any(|v| *v == a || *v == b) {
             continue;

@@ -3,17 +3,9 @@
 use std::collections::{HashMap, HashSet};
 
 use super::farthest::without_face;
-use super::patch::Compact;
+use super::patch::{Compact, Kept, edge};
 use super::prepare::Prepared;
 use catamaran::base::{Error, Result};
-
-/// Edges between vertices of the surface, the lower vertex first.
-pub(super) type Kept = HashSet<[u32; 2]>;
-
-/// Returns an edge in the form in which [`Kept`] has it.
-pub(super) fn edge(a: u32, b: u32) -> [u32; 2] {
-    [a.min(b), a.max(b)]
-}
 
 /// The locked vertices of a surface.
 #[derive(Default)]

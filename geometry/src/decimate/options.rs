@@ -51,8 +51,8 @@ options! {
         /// Vertices of the input that stay, each once: they are the first vertices of the result,
         /// in this order, at exactly the same positions, and an edge of the input between two of
         /// them stays an edge, unless it is longer than the edges of the result and split
-        /// ([`resample`](Self::resample); [`Decimation::lost_edges`](super::Decimation::lost_edges)
-        /// counts those). n must be at least their number. Not with [`Method::Thesis`].
+        /// (`resample`; [`Decimation::lost_edges`](super::Decimation::lost_edges) counts
+        /// those). n must be at least their number. Not with [`Method::Thesis`].
         locked: &'a [u32] = &[];
         /// Threads. Their number does not change the result.
         par: Par = Par::all();

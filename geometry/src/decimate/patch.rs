@@ -1,7 +1,8 @@
 //! The new mesh during changes: faces, the faces at each vertex, and the changes that preserve a
 //! manifold.
 
-use super::locks::{Kept, edge};
+use std::collections::HashSet;
+
 use crate::mesh::intersections::{Bounds, BoxTree, Corners};
 use crate::mesh::vector::{Vector, distance, dot, doubled_normal, middle, unit};
 
@@ -11,6 +12,14 @@ const LATE: usize = 128;
 
 /// The new position of a vertex, and its anchor there.
 pub(super) type Move = (Vector, u32);
+
+/// Edges between anchors, the lower one first.
+pub(super) type Kept = HashSet<[u32; 2]>;
+
+/// Returns an edge in the form in which [`Kept`] has it.
+pub(super) fn edge(a: u32, b: u32) -> [u32; 2] {
+    [a.min(b), a.max(b)]
+}
 
 /// Marks a removed face.
 const GONE: [u32; 3] = [u32::MAX; 3];
