@@ -852,7 +852,7 @@ fn locked_vertices_and_the_edges_between_them_stay_on_every_family() {
                 check(&name, &mesh, n, &found);
                 check_locks(&name, &mesh, &path, &found);
                 // Triangles that are smaller than those of the result have no long edges.
-                assert!(found.lost_edges == 0 || 4 * n > vertices, "{name}");
+                assert!(found.lost_edges == 0 || 6 * n > vertices, "{name}");
             }
         }
     }
