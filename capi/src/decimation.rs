@@ -77,6 +77,9 @@ pub struct cata_decimation_params {
     pub locked: *const u32,
     /// Number of `locked`, at most n.
     pub n_locked: usize,
+    /// 1: the relaxation ends with passes that make areas as equal as possible, at the cost of the
+    /// shapes of triangles. 0: it does not.
+    pub uniform: i32,
 }
 
 params!(cata_decimation_params, keep_edges: i32);
@@ -536,6 +539,7 @@ pub(super) unsafe fn with_options<X>(
             .relaxation(passes("params.relaxation", params.relaxation, default.relaxation)?)
             .cut_narrow_handles(flag("params.cut_narrow_handles", params.cut_narrow_handles)?)
             .locked(locked)
+            .uniform(flag("params.uniform", params.uniform)?)
             .first(flag("params.has_first", params.has_first)?.then_some(params.first))
             .progress(progress);
         Ok(work(&options)?)

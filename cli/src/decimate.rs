@@ -74,6 +74,10 @@ pub struct Args {
     /// Number of passes that flip edges and move vertices of the result.
     #[arg(long, value_name = "N", default_value_t = DecimateOptions::default().relaxation)]
     relax: usize,
+    /// Make the areas of triangles as equal as possible, at the cost of their shapes: they vary half
+    /// as much.
+    #[arg(long)]
+    uniform: bool,
     /// Cut handles that are too narrow for the triangles of the result, and close their ends.
     #[arg(long)]
     cut_handles: bool,
@@ -288,6 +292,7 @@ impl Level {
             .method(args.method.into())
             .lloyd(args.lloyd)
             .relaxation(args.relax)
+            .uniform(args.uniform)
             .cut_narrow_handles(args.cut_handles)
             .first(first)
             .locked(locked)

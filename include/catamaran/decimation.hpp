@@ -28,6 +28,8 @@ struct decimation_options {
     /// Vertices that stay, each once: the first of the result, in this order; edges between them
     /// stay, unless they are longer than those of the result (decimation::locked_edges).
     std::vector<std::uint32_t> locked;
+    /// Whether areas are made as equal as possible, at the cost of the shapes of triangles.
+    bool uniform = false;
     /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
 };
@@ -78,6 +80,7 @@ inline cata_decimation_params params_of(const decimation_options& how) {
     params.keep_edges = how.keep_edges ? 1 : 0;
     params.locked = how.locked.empty() ? nullptr : how.locked.data();
     params.n_locked = how.locked.size();
+    params.uniform = how.uniform ? 1 : 0;
     return params;
 }
 

@@ -19,6 +19,7 @@ arguments! {
         resample: bool,
         lloyd: usize,
         relaxation: usize,
+        uniform: bool,
         cut_narrow_handles: bool,
         first: Option<i64>,
         locked: Vec<i64>,
@@ -66,6 +67,7 @@ pub fn decimate<'py>(
             .resample(how.resample)
             .lloyd(how.lloyd)
             .relaxation(how.relaxation)
+            .uniform(how.uniform)
             .cut_narrow_handles(how.cut_narrow_handles)
             .first(first)
             .locked(&locked)

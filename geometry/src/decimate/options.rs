@@ -41,6 +41,10 @@ options! {
         /// not lie on one side of the faces, and the places farthest from it are repaired; 0 omits
         /// all of this.
         relaxation: usize = 12;
+        /// Whether the relaxation ends with passes that make the areas of the triangles as equal as
+        /// possible, at the cost of their shapes: areas vary half as much. It has no effect without
+        /// relaxation passes.
+        uniform: bool = false;
         /// Whether handles that are too narrow for the triangles of the result are cut and their
         /// ends closed, as [`Decimation::after`](super::Decimation::after) reports. Otherwise all
         /// handles are kept.

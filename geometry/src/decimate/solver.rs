@@ -298,7 +298,8 @@ impl<'m, 'o> Decimator<'m, 'o> {
         if passes > 0 {
             patch = pack(patch)?;
             let quadrics = Quadrics::new(surface);
-            relax(surface, &quadrics, &mut patch, passes, narrow, par, progress.part(0.7..0.9))?;
+            let (uniform, part) = (self.options.uniform, progress.part(0.7..0.9));
+            relax(surface, &quadrics, &mut patch, passes, narrow, uniform, par, part)?;
             reach(&mut patch)?;
             resolve(surface, self.input, &mut patch, par)?;
             growth.clear();

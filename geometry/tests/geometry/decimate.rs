@@ -159,8 +159,10 @@ fn every_family_is_decimated_with_its_topology() {
         let mesh = mesh.unwrap();
         for n in sizes {
             let name = format!("{name} to {n}");
-            let found = decimate(&mesh, n, &options()).unwrap_or_else(|e| panic!("{name}: {e}"));
-            check(&name, &mesh, n, &found);
+            for options in [options(), options().uniform(true)] {
+                let found = decimate(&mesh, n, &options).unwrap_or_else(|e| panic!("{name}: {e}"));
+                check(&name, &mesh, n, &found);
+            }
         }
     }
 }
@@ -196,6 +198,21 @@ fn results_are_uniform() {
         let literal = options().method(Method::Thesis);
         let thesis = Quality::of(&decimate(&mesh, n, &literal).unwrap().mesh);
         assert!(thesis.mean_quality < quality.mean_quality, "{thesis}");
+    }
+}
+
+#[test]
+fn areas_are_even_where_that_is_asked_for_and_nothing_else_is_lost() {
+    for (name, mesh, n) in [
+        ("torus", families::torus(200, 100, 2.0, 0.8).unwrap(), 1000),
+        ("terrain", families::terrain(200, 200, 1).unwrap(), 1500),
+    ] {
+        let found = decimate(&mesh, n, &options().uniform(true)).unwrap();
+        check(name, &mesh, n, &found);
+        let quality = Quality::of(&found.mesh);
+        assert!(quality.area_variation <= 0.08, "{name}: {quality}");
+        assert!(quality.mean_quality > 0.85, "{name}: {quality}");
+        assert!(found.mesh.intersecting_faces(Par::Seq).is_empty(), "{name}");
     }
 }
 
@@ -845,8 +862,10 @@ fn locked_vertices_and_the_edges_between_them_stay_on_every_family() {
             }
         }
         for n in sizes {
-            for options in [options().locked(&path), options().locked(&path).lloyd(1).relaxation(0)]
-            {
+            for options in [
+                options().locked(&path).uniform(true),
+                options().locked(&path).lloyd(1).relaxation(0),
+            ] {
                 let name = format!("{name} to {n}");
                 let found = decimate(&mesh, n, &options).unwrap_or_else(|e| panic!("{name}: {e}"));
                 check(&name, &mesh, n, &found);

@@ -97,6 +97,7 @@ def decimate(
     resample: bool = True,
     lloyd: int = 0,
     relaxation: int = 12,
+    uniform: bool = False,
     cut_narrow_handles: bool = False,
     first: Optional[int] = None,
     locked: ArrayLike = (),
@@ -124,6 +125,8 @@ def decimate(
         Whether edges longer than those of the result are split first.
     lloyd, relaxation : int
         Passes that move samples to the centroids of their cells, and that improve the result.
+    uniform : bool
+        Whether areas are made as equal as possible, at the cost of the shapes of triangles.
     cut_narrow_handles : bool
         Whether handles too narrow for the triangles of the result are cut, and closed.
     first : int, optional
@@ -152,6 +155,7 @@ def decimate(
         "resample": resample,
         "lloyd": lloyd,
         "relaxation": relaxation,
+        "uniform": uniform,
         "cut_narrow_handles": cut_narrow_handles,
         "first": first,
         "locked": _numbers(locked),
