@@ -52,7 +52,8 @@ pub(super) fn relax(
     }
     if passes > 0 {
         make_delaunay(patch)?;
-        for _ in 0..if uniform { EVEN_PASSES } else { 0 } {
+        let even = if uniform { EVEN_PASSES } else { 0 };
+        for _ in 0..even {
             move_vertices(surface, quadrics, patch, Aim::Even, par)?;
         }
         fit(surface, patch, par)?;
