@@ -77,8 +77,8 @@ pub struct cata_decimation_params {
     pub locked: *const u32,
     /// Number of `locked`, at most n.
     pub n_locked: usize,
-    /// 1: the relaxation ends with passes that make areas as equal as possible, at the cost of the
-    /// shapes of triangles. 0: it does not.
+    /// 1: the relaxation ends with passes that make areas as equal as possible, at the cost of
+    /// the shapes of triangles. 0: it does not.
     pub uniform: i32,
 }
 

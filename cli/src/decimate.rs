@@ -74,8 +74,8 @@ pub struct Args {
     /// Number of passes that flip edges and move vertices of the result.
     #[arg(long, value_name = "N", default_value_t = DecimateOptions::default().relaxation)]
     relax: usize,
-    /// Make the areas of triangles as equal as possible, at the cost of their shapes: they vary half
-    /// as much.
+    /// Make the areas of triangles as equal as possible, at the cost of their shapes: areas vary
+    /// half as much.
     #[arg(long)]
     uniform: bool,
     /// Cut handles that are too narrow for the triangles of the result, and close their ends.

@@ -77,14 +77,16 @@ static void test_within_an_error(void)
     double bound = 0;
     for (int k = 0; k < 2; k++) {
         const double error = k == 0 ? 0.3 : 0.1;
-        CHECK_STATUS(cata_decimation_new_within(V, vertices, F, faces, error, NULL, &torus), CATA_OK);
+        CHECK_STATUS(cata_decimation_new_within(V, vertices, F, faces, error, NULL, &torus),
+                     CATA_OK);
         CHECK_STATUS(cata_decimation_bound(torus, &bound), CATA_OK);
         CHECK(bound > 0.5 * error && bound <= error);
         CHECK_STATUS(cata_decimation_size(torus, k == 0 ? &few : &many, NULL, NULL), CATA_OK);
         cata_decimation_free(torus);
     }
     CHECK(few < many && many < V);
-    CHECK_STATUS(cata_decimation_new_within(V, vertices, F, faces, -1, NULL, &torus), CATA_ERR_ARGUMENT);
+    CHECK_STATUS(cata_decimation_new_within(V, vertices, F, faces, -1, NULL, &torus),
+                 CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("error");
 }
 

@@ -154,8 +154,8 @@ impl<'m, 'o> Decimator<'m, 'o> {
     ///
     /// # Errors
     /// [`Error::Mesh`] for a mesh without faces, with lengths out of range, or with a vertex that
-    /// can't be cut to a manifold; [`Error::Argument`] when no face has vertex `options.first` or one
-    /// of `options.locked`; [`Error::OutOfMemory`].
+    /// can't be cut to a manifold; [`Error::Argument`] when no face has vertex `options.first` or
+    /// one of `options.locked`; [`Error::OutOfMemory`].
     pub fn new(mesh: &'m TriMesh, options: &DecimateOptions<'o>) -> Result<Self> {
         let source = Source::new(Cow::Borrowed(mesh), options)?;
         Ok(Self { input: mesh, options: *options, source })

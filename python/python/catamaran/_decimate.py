@@ -132,8 +132,8 @@ def decimate(
     first : int, optional
         The vertex that sampling starts at.
     locked : array_like of int
-        Vertices that stay, each once, or a mask of all vertices: they are the first of the result, in this order, at exactly
-        the same positions. Edges between them stay, too, except for those longer than the edges
+        Vertices that stay, each once, or a mask of all vertices: they are the first of the
+        result, in this order, at exactly the same positions. Edges between them stay, too, except for those longer than the edges
         of the result, of which a warning tells.
     threads, progress
         As in `ata`.
