@@ -18,8 +18,8 @@ const PART: f64 = 0.5;
 /// Operations that finding the height of a face is equal to.
 const MEASURED: f64 = 5000.0;
 
-/// Raises all vertices except those on the boundary and locked ones by a share of the mean height of the surface
-/// above the surrounding faces.
+/// Raises all vertices except those on the boundary and locked ones by a share of the mean height
+/// of the surface above the surrounding faces.
 pub(super) fn fit(surface: &Surface<'_>, patch: &mut Patch, par: Par) -> Result<()> {
     let operations = MEASURED * BLOCK as f64;
     let heights = par.map_blocks_asking(patch.faces.len(), BLOCK, operations, |range| {

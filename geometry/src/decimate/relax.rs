@@ -238,8 +238,8 @@ fn target(
     (lost <= MOVE_LOSS * length).then_some(found)
 }
 
-/// Returns a point on the way from v to the mean of the centroids of its faces, in which large faces
-/// have by far the largest weights.
+/// Returns a point on the way from v to the mean of the centroids of its faces, in which large
+/// faces have by far the largest weights.
 fn even_target(patch: &Patch, v: u32, here: Vector) -> Vector {
     let faces = patch.around(v).iter().map(|&f| patch.faces[f as usize]);
     let areas: Vec<f64> = faces.clone().map(|face| norm(patch.normal(face))).collect();

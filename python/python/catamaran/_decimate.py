@@ -133,8 +133,8 @@ def decimate(
         The vertex that sampling starts at.
     locked : array_like of int
         Vertices that stay, each once, or a mask of all vertices: they are the first of the
-        result, in this order, at exactly the same positions. Edges between them stay, too, except for those longer than the edges
-        of the result, of which a warning tells.
+        result, in this order, at exactly the same positions. Edges between them stay, too,
+        except for those longer than the edges of the result, of which a warning tells.
     threads, progress
         As in `ata`.
 
