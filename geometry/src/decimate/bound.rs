@@ -4,7 +4,7 @@
 //! of a surface is farther from a face of the other one than the farthest corner of the part. Parts
 //! for which that is too little are cut along the sides of their nearest face.
 
-use crate::mesh::vector::{Vector, cross, distance, dot, doubled_normal, square, sub};
+use crate::mesh::vector::{Vector, cross, distance, dot, doubled_normal, norm, square, sub};
 use crate::mesh::{TriMesh, Triangles, nearest_on_triangle};
 use catamaran::base::{Par, Result};
 
@@ -25,6 +25,9 @@ const PART: f64 = 5000.0;
 /// a constant. What is left then is bounded as it is.
 const ROUNDS: usize = 64;
 const PARTS: (usize, usize) = (4, 1 << 20);
+
+/// Height over a plane, relative to the size of a part, at which a corner counts as on the plane.
+const ON_PLANE: f64 = 1e-9;
 
 /// A convex part of a face, by its corners.
 type Part = Vec<Vector>;
@@ -179,6 +182,13 @@ fn cut(part: &[Vector], face: [Vector; 3]) -> Vec<Part> {
 fn halves(part: &[Vector], at: Vector, normal: Vector) -> [Part; 2] {
     let mut halves = [Part::with_capacity(part.len() + 1), Part::with_capacity(part.len() + 1)];
     let heights: Vec<f64> = part.iter().map(|&p| dot(sub(p, at), normal)).collect();
+    // A part that this plane has cut before has corners on it, up to rounding.
+    let least =
+        ON_PLANE * norm(normal) * part.iter().map(|&p| distance(p, part[0])).fold(0.0, f64::max);
+    let heights: Vec<f64> = heights
+        .into_iter()
+        .map(|height| if height.abs() <= least { 0.0 } else { height })
+        .collect();
     if heights.iter().all(|&height| height >= 0.0) {
         return [part.to_vec(), Part::new()];
     }
