@@ -166,11 +166,12 @@ pub unsafe extern "C" fn cata_decimation_new_within(
         let (input, place) = unsafe {
             (mesh(n_vertices, vertices, n_faces, faces)?, output("decimation", decimation)?)
         };
-        let find = |options: &DecimateOptions<'_>| {
-            Ok((decimate_within(&input, error, options)?, options.par))
-        };
         // SAFETY: clause `structs` (`params`).
-        let (found, par) = unsafe { with_options(params, find) }?;
+        let (found, par) = unsafe {
+            with_options(params, |options| {
+                Ok((decimate_within(&input, error, options)?, options.par))
+            })
+        }?;
         hand_over(place, cata_decimation { input, found, par });
         Ok(())
     })
