@@ -180,6 +180,9 @@ absent! { "chapters":
     fn cata_path_free(path: *mut c_void);
     fn cata_decimation_params_init(params: *mut c_void, struct_size: usize) -> cata_status;
     fn cata_decimation_new(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, n: usize, params: *const c_void, decimation: *mut *mut c_void) -> cata_status;
+    fn cata_decimation_new_within(n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, error: f64, params: *const c_void, decimation: *mut *mut c_void) -> cata_status;
+    fn cata_decimation_bound(decimation: *const c_void, bound: *mut f64) -> cata_status;
+    fn cata_decimation_locked_edges(decimation: *const c_void, n_edges: *mut usize, n_lost: *mut usize) -> cata_status;
     fn cata_decimation_free(decimation: *mut c_void);
     fn cata_decimation_size(decimation: *const c_void, n_vertices: *mut usize, n_faces: *mut usize, repaired: *mut i32) -> cata_status;
     fn cata_decimation_get(decimation: *const c_void, vertices: *mut f64, faces: *mut u32) -> cata_status;

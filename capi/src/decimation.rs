@@ -29,7 +29,9 @@ use super::progress::cata_progress;
 use super::status::{Failure, cata_status};
 use catamaran::base::{Error, Par, Progress};
 use catamaran::sparse::{EigenOptions, eigs_two_level, select};
-use catamaran_geometry::decimate::{DecimateOptions, Decimation, FarthestPoints, Method, decimate};
+use catamaran_geometry::decimate::{
+    DecimateOptions, Decimation, Difference, FarthestPoints, Method, decimate, decimate_within,
+};
 use catamaran_geometry::mesh::io::{Attribute, MeshFile};
 use catamaran_geometry::mesh::{Boundary, Laplacian, LaplacianOptions, TriMesh};
 
@@ -69,6 +71,15 @@ pub struct cata_decimation_params {
     /// 1: edges of the input stay whole, and n is at most its number of vertices. 0: those
     /// longer than the edges of the result are split first.
     pub keep_edges: i32,
+    /// Vertices that stay, each once: the first of the result, in this order, at the same
+    /// positions; edges between them stay, unless they are longer than those of the result and
+    /// split (cata_decimation_locked_edges). NULL: none.
+    pub locked: *const u32,
+    /// Number of `locked`, at most n.
+    pub n_locked: usize,
+    /// 1: the relaxation ends with passes that make areas as equal as possible, at the cost of
+    /// the shapes of triangles. 0: it does not.
+    pub uniform: i32,
 }
 
 params!(cata_decimation_params, keep_edges: i32);
@@ -125,6 +136,89 @@ pub unsafe extern "C" fn cata_decimation_new(
             with_options(params, |options| Ok((decimate(&input, n, options)?, options.par)))
         }?;
         hand_over(place, cata_decimation { input, found, par });
+        Ok(())
+    })
+}
+
+/// Decimates a triangle mesh as cata_decimation_new does, to the fewest vertices that a search
+/// finds for which no point of either surface is farther from the other one than `error`: what
+/// cata_decimation_bound returns is at most `error`. The number is at most 2 % (or 1) above one
+/// that is too small.
+///
+/// - `error`: positive, in the unit of the mesh. If it can't be reached, CATA_ERR_ARGUMENT.
+/// - `decimation`: one pointer, written.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_decimation_new_within(
+    n_vertices: usize,
+    vertices: *const f64,
+    n_faces: usize,
+    faces: *const u32,
+    error: f64,
+    params: *const cata_decimation_params,
+    decimation: *mut *mut cata_decimation,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: clause `memory` (the mesh, 3 numbers a vertex and 3 indices a face; `decimation`,
+        // one value).
+        let (input, place) = unsafe {
+            (mesh(n_vertices, vertices, n_faces, faces)?, output("decimation", decimation)?)
+        };
+        // SAFETY: clause `structs` (`params`).
+        let (found, par) = unsafe {
+            with_options(params, |options| {
+                Ok((decimate_within(&input, error, options)?, options.par))
+            })
+        }?;
+        hand_over(place, cata_decimation { input, found, par });
+        Ok(())
+    })
+}
+
+/// Computes an upper bound of the distance of any point of the input or of the result from the
+/// other surface: the Hausdorff distance, or at most 1 % more.
+///
+/// - `bound`: written, in the unit of the mesh.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_decimation_bound(
+    decimation: *const cata_decimation,
+    bound: *mut f64,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: clause `memory` (`bound`, one value), clause `handles` (`decimation`).
+        let (own, place) = unsafe { (known("decimation", decimation)?, output("bound", bound)?) };
+        let found = Difference::between(&own.input, &own.found.mesh, own.par)?;
+        *place = found.hausdorff_bound;
+        Ok(())
+    })
+}
+
+/// Gets the number of edges of the input between locked vertices, and that of those which the
+/// result does not have: edges longer than its own were split. NULL where not wanted.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_decimation_locked_edges(
+    decimation: *const cata_decimation,
+    n_edges: *mut usize,
+    n_lost: *mut usize,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: clause `memory` (`n_edges`, one value; `n_lost`, one value), clause `handles`
+        // (`decimation`).
+        unsafe {
+            let found = &known("decimation", decimation)?.found;
+            tell! {
+                n_edges: found.locked_edges,
+                n_lost: found.lost_edges,
+            }
+        }
         Ok(())
     })
 }
@@ -433,6 +527,11 @@ pub(super) unsafe fn with_options<X>(
                 return Err(Failure::argument("params.method", any, other));
             }
         };
+        let locked: &[u32] = match params.n_locked {
+            0 => &[],
+            // SAFETY: clause `structs` (`params.locked`, `n_locked` elements).
+            count => unsafe { slice("params.locked", params.locked, count) }?,
+        };
         let options = DecimateOptions::new()
             .par(params.par())
             .method(method)
@@ -440,6 +539,8 @@ pub(super) unsafe fn with_options<X>(
             .lloyd(passes("params.lloyd", params.lloyd, default.lloyd)?)
             .relaxation(passes("params.relaxation", params.relaxation, default.relaxation)?)
             .cut_narrow_handles(flag("params.cut_narrow_handles", params.cut_narrow_handles)?)
+            .locked(locked)
+            .uniform(flag("params.uniform", params.uniform)?)
             .first(flag("params.has_first", params.has_first)?.then_some(params.first))
             .progress(progress);
         Ok(work(&options)?)

@@ -1,15 +1,16 @@
 //! `catamaran decimate`.
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, anyhow, bail};
 use catamaran::Par;
 use catamaran::io::Output;
 use catamaran::sparse::CsMat;
 use catamaran_geometry::decimate::{
-    DecimateOptions, Decimation, Difference, Method, Quality, Topology, decimate, edge_length_for,
-    vertices_for_edge_length, vertices_for_faces,
+    DecimateOptions, Decimation, Difference, Method, Quality, Topology, decimate, decimate_within,
+    edge_length_for, vertices_for_edge_length, vertices_for_faces,
 };
 use catamaran_geometry::mesh::io::{self as files, MeshFile};
 use catamaran_geometry::mesh::{RepairOptions, TriMesh, repair};
@@ -17,7 +18,7 @@ use clap::{ArgGroup, ValueEnum};
 
 use crate::common::{Force, Threads, as_option};
 use crate::defaults::variant;
-use crate::input::MeshArgs;
+use crate::input::{MeshArgs, TextFile};
 use crate::mesh::genus;
 use crate::output;
 use crate::picture::{PLAIN, PictureArgs};
@@ -49,6 +50,22 @@ pub struct Args {
     /// Approximate length of the edges of the result, in units of the mesh.
     #[arg(long, value_name = "LENGTH", group = "size")]
     edge_length: Option<f64>,
+    /// Numbers of vertices of several results, each decimated from the one before, such as
+    /// 5000,1000,200, for levels of detail. In the name of -o, {} stands for the number.
+    #[arg(
+        long,
+        value_name = "N,...",
+        value_delimiter = ',',
+        group = "size",
+        conflicts_with = "prolongation"
+    )]
+    levels: Vec<usize>,
+    /// Largest distance of a point of either surface from the other one, in units of the mesh or as
+    /// a percentage of the diagonal of its box, such as 0.5%: the result has as few vertices as the
+    /// search finds, up to 2 % more than a number that is too small. The distance is measured on
+    /// whole faces, and at most 1 % too large.
+    #[arg(long, value_name = "E", group = "size", value_parser = tolerance)]
+    error: Option<Tolerance>,
     #[arg(short, long, value_name = "FILE", help = output::mesh_help("Output file"))]
     output: PathBuf,
     /// Number of passes that move samples to the centroids of their cells.
@@ -57,6 +74,10 @@ pub struct Args {
     /// Number of passes that flip edges and move vertices of the result.
     #[arg(long, value_name = "N", default_value_t = DecimateOptions::default().relaxation)]
     relax: usize,
+    /// Make the areas of triangles as equal as possible, at the cost of their shapes: areas vary
+    /// half as much.
+    #[arg(long)]
+    uniform: bool,
     /// Cut handles that are too narrow for the triangles of the result, and close their ends.
     #[arg(long)]
     cut_handles: bool,
@@ -71,6 +92,14 @@ pub struct Args {
     /// Vertex of the first sample, numbered from 0 [default: the lowest vertex that a face has].
     #[arg(long, value_name = "VERTEX")]
     first: Option<u32>,
+    /// Vertices that stay at their positions, the first of the result in this order: a file of
+    /// their numbers from 0, one a line. Edges between them stay, too, unless they are longer than
+    /// those of the result.
+    #[arg(long, value_name = "FILE")]
+    lock: Option<TextFile>,
+    /// The same for the vertices at which this scalar of the mesh is not 0, in ascending order.
+    #[arg(long, value_name = "NAME", conflicts_with = "lock")]
+    lock_by: Option<String>,
     /// Write the matrix that takes functions on the result to functions on the input, .mtx: a row
     /// for each vertex of the input, a column for each vertex of the result.
     #[arg(long, value_name = "FILE")]
@@ -87,6 +116,9 @@ pub struct Args {
     #[command(flatten)]
     force: Force,
 }
+
+/// Stands for the number of vertices in the names of results.
+const NUMBER: &str = "{}";
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Kind {
@@ -106,10 +138,56 @@ impl From<Kind> for Method {
     }
 }
 
+/// A distance between surfaces.
+#[derive(Debug, Clone, Copy)]
+enum Tolerance {
+    /// In units of the mesh.
+    Length(f64),
+    /// In per cent of the diagonal of the mesh.
+    Percent(f64),
+}
+
+/// Parses a positive length or percentage.
+fn tolerance(text: &str) -> Result<Tolerance, String> {
+    let (number, of): (&str, fn(f64) -> Tolerance) = match text.strip_suffix('%') {
+        Some(number) => (number, Tolerance::Percent),
+        None => (text, Tolerance::Length),
+    };
+    match number.trim().parse() {
+        Ok(number) if number > 0.0 && f64::is_finite(number) => Ok(of(number)),
+        _ => Err("expected a positive length, or a percentage of the diagonal such as 0.5%".into()),
+    }
+}
+
+impl Tolerance {
+    /// Returns the distance in units of the mesh.
+    fn of(self, mesh: &TriMesh) -> f64 {
+        match self {
+            Self::Length(length) => length,
+            Self::Percent(percent) => {
+                let [low, high] = mesh.bounding_box().unwrap_or_default();
+                let square: f64 = (0..3).map(|k| (high[k] - low[k]).powi(2)).sum();
+                percent / 100.0 * square.sqrt()
+            }
+        }
+    }
+}
+
+/// The size of the result.
+#[derive(Clone, Copy)]
+enum Size {
+    Vertices(usize),
+    /// Largest distance of the surfaces, in units of the mesh.
+    Within(f64),
+}
+
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
-    files::check_name(&args.output)?;
-    let output = args.force.create(&args.output)?;
+    let names = outputs(args)?;
+    for name in &names {
+        files::check_name(name)?;
+    }
+    let outputs = names.iter().map(|name| args.force.create(name)).collect::<Result<Vec<_>>>()?;
     let picture = args.picture.create(args.force)?;
     let prolongation = match &args.prolongation {
         Some(path) if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("mtx")) => {
@@ -119,30 +197,30 @@ pub fn run(args: &Args) -> Result<()> {
         None => None,
     };
     let input = read(&args.input, &args.repair)?;
-    let n = wanted(args, &input.mesh)?;
+    let sizes = wanted(args, &input.mesh)?;
+    let locked = locked(args, &input)?;
     let par = args.threads.par();
 
-    let bar = Bar::new("decimate");
-    let update = |fraction| bar.update(fraction);
-    let options = DecimateOptions::new()
-        .method(args.method.into())
-        .lloyd(args.lloyd)
-        .relaxation(args.relax)
-        .cut_narrow_handles(args.cut_handles)
-        .first(args.first)
-        .par(par)
-        .progress(&update);
-    let start = Instant::now();
-    let found = decimate(&input.mesh, n, &options)
-        .map_err(|error| refused(error, args))
-        .with_context(|| format!("{}: can't be decimated to {n} vertices", args.input.display()))?;
-    let elapsed = start.elapsed();
-    drop(bar);
-    report_result(args, &input, &found, elapsed, par)?;
+    let mut levels: Vec<Level> = Vec::new();
+    for size in sizes {
+        let level = match levels.last() {
+            None => Level::new(args, &input, size, args.first, &locked)?,
+            Some(before) => {
+                // The locked vertices are the first ones of each level.
+                let stay: Vec<u32> = (0..locked.len() as u32).collect();
+                Level::new(args, &before.file, size, None, &stay)?
+            }
+        };
+        report_result(args, &input, &level, par)?;
+        if !locked.is_empty() {
+            report_locked(&locked, &level.found)?;
+        }
+        levels.push(level);
+    }
 
-    if let Some(output) = prolongation {
+    if let (Some(output), Some(level)) = (prolongation, levels.first()) {
         let path = output.path().display().to_string();
-        let matrix = found.weights(&input.mesh, par)?;
+        let matrix = level.found.weights(&input.mesh, par)?;
         write_sparse(output, &matrix)?;
         let (rows, columns) = matrix.shape();
         let entries = matrix.nnz();
@@ -156,17 +234,84 @@ pub fn run(args: &Args) -> Result<()> {
         )?;
     }
     if let Some(picture) = picture {
-        let panels = [(&input.mesh, PLAIN, "before"), (&found.mesh, PLAIN, "after")];
+        let mut panels = vec![(&input.mesh, PLAIN, "before")];
+        panels.extend(levels.iter().map(|level| (&level.found.mesh, PLAIN, "after")));
         args.picture.draw_faces(picture, &args.input, &panels)?;
     }
-    let path = output.path().display().to_string();
     let left_out = Decimation::left_out(&input);
-    output::mesh(output, &found.carry(&input)?)?;
-    if !left_out.is_empty() {
-        let what = left_out.join(", ");
-        note(format_args!("{path}: {what} of the input are not carried over"));
+    for (output, level) in outputs.into_iter().zip(levels) {
+        let path = output.path().display().to_string();
+        output::mesh(output, &level.file)?;
+        if !left_out.is_empty() {
+            let what = left_out.join(", ");
+            note(format_args!("{path}: {what} of the input are not carried over"));
+        }
+        status!("written", path = path; "{path}")?;
     }
-    status!("written", path = path; "{path}")
+    Ok(())
+}
+
+/// Returns the names of the results.
+fn outputs(args: &Args) -> Result<Vec<PathBuf>> {
+    if args.levels.is_empty() {
+        return Ok(vec![args.output.clone()]);
+    }
+    if !args.levels.is_sorted_by(|n, next| n > next) {
+        bail!("--levels: each must have fewer vertices than the one before");
+    }
+    let Some(name) = args.output.to_str().filter(|name| name.contains(NUMBER)) else {
+        bail!(
+            "{}: with --levels, {NUMBER} must stand for the number of vertices in the name of -o, \
+             as in lod-{NUMBER}.ply",
+            args.output.display()
+        );
+    };
+    Ok(args.levels.iter().map(|n| name.replace(NUMBER, &n.to_string()).into()).collect())
+}
+
+/// A result.
+struct Level {
+    found: Decimation,
+    /// With what is carried over.
+    file: MeshFile,
+    elapsed: Duration,
+}
+
+impl Level {
+    /// Decimates a mesh.
+    fn new(
+        args: &Args,
+        from: &MeshFile,
+        size: Size,
+        first: Option<u32>,
+        locked: &[u32],
+    ) -> Result<Self> {
+        let bar = Bar::new("decimate");
+        let update = |fraction| bar.update(fraction);
+        let options = DecimateOptions::new()
+            .method(args.method.into())
+            .lloyd(args.lloyd)
+            .relaxation(args.relax)
+            .uniform(args.uniform)
+            .cut_narrow_handles(args.cut_handles)
+            .first(first)
+            .locked(locked)
+            .par(args.threads.par())
+            .progress(&update);
+        let start = Instant::now();
+        let path = args.input.display();
+        let found = match size {
+            Size::Vertices(n) => decimate(&from.mesh, n, &options)
+                .map_err(|error| refused(error, args))
+                .with_context(|| format!("{path}: can't be decimated to {n} vertices"))?,
+            Size::Within(error) => decimate_within(&from.mesh, error, &options)
+                .map_err(|error| refused(error, args))
+                .with_context(|| format!("{path}: can't be decimated within {error:e}"))?,
+        };
+        let elapsed = start.elapsed();
+        let file = found.carry(from)?;
+        Ok(Self { found, file, elapsed })
+    }
 }
 
 /// Reads a mesh, repairs it, and reports its size.
@@ -188,21 +333,104 @@ pub fn read(path: &Path, repair: &MeshArgs) -> Result<MeshFile> {
     Ok(file)
 }
 
+/// Returns the vertices that stay.
+fn locked(args: &Args, input: &MeshFile) -> Result<Vec<u32>> {
+    if let Some(file) = &args.lock {
+        return numbers(file, input.mesh.vertices().len());
+    }
+    let Some(name) = &args.lock_by else { return Ok(Vec::new()) };
+    let Some(scalars) = input.scalars.iter().find(|scalars| scalars.name == *name) else {
+        let known: Vec<&str> = input.scalars.iter().map(|scalars| scalars.name.as_str()).collect();
+        let known = if known.is_empty() { "none".into() } else { known.join(", ") };
+        bail!("--lock-by {name}: {} has no such scalar: {known}", args.input.display());
+    };
+    let is_set = |value: f64| value != 0.0 && !value.is_nan();
+    let all = (0..).zip(&scalars.values).filter(|(_, value)| is_set(**value));
+    let vertices: Vec<u32> = all.map(|(v, _)| v).collect();
+    if vertices.is_empty() {
+        bail!("--lock-by {name}: {} is 0 at all vertices", args.input.display());
+    }
+    Ok(vertices)
+}
+
+/// Reads numbers of vertices, one a line; empty lines and those that begin with `#` are skipped.
+fn numbers(file: &TextFile, vertices: usize) -> Result<Vec<u32>> {
+    let text = file.read()?;
+    let mut known = HashMap::new();
+    let mut numbers = Vec::new();
+    for (at, line) in (1..).zip(text.lines()) {
+        let word = line.trim();
+        if word.is_empty() || word.starts_with('#') {
+            continue;
+        }
+        let here = || format!("{}: line {at}", file.name());
+        let number = word.parse().ok().filter(|&v: &u32| (v as usize) < vertices);
+        let Some(number) = number else {
+            bail!("{}: '{word}' is not a vertex from 0 to {}", here(), vertices.saturating_sub(1));
+        };
+        if let Some(before) = known.insert(number, at) {
+            bail!("{}: vertex {number} is also in line {before}", here());
+        }
+        numbers.push(number);
+    }
+    if numbers.is_empty() {
+        bail!("{}: names no vertex", file.name());
+    }
+    Ok(numbers)
+}
+
+/// Reports the vertices that stay, and the edges between them.
+fn report_locked(locked: &[u32], found: &Decimation) -> Result<()> {
+    let (vertices, edges, lost) = (locked.len(), found.locked_edges, found.lost_edges);
+    if lost > 0 {
+        note(format_args!(
+            "{lost} of {edges} edges between locked vertices are longer than those of the result, \
+             and split"
+        ));
+    }
+    status!(
+        "locked",
+        vertices = vertices,
+        edges = edges - lost;
+        "{vertices} vertices, and {} edges between them",
+        edges - lost
+    )
+}
+
 /// Names the option that set the number of vertices, where an error of the library is about it.
 fn refused(error: catamaran::Error, args: &Args) -> anyhow::Error {
     let option = match (args.ratio, args.faces, args.edge_length) {
         (Some(ratio), ..) => format!("--ratio {ratio}"),
         (_, Some(faces), _) => format!("--faces {faces}"),
         (.., Some(length)) => format!("--edge-length {length:e}"),
+        _ if !args.levels.is_empty() => "--levels".into(),
         _ => "-n".into(),
     };
     match error {
+        catamaran::Error::Argument { what: "locked", why } => {
+            anyhow!("{}: {why}", if args.lock_by.is_some() { "--lock-by" } else { "--lock" })
+        }
+        catamaran::Error::Argument { what: "n" | "error", why } if args.error.is_some() => {
+            anyhow!("--error: {why}")
+        }
         catamaran::Error::Argument { what: "n", why } => anyhow!("{option}: {why}"),
         error => error.into(),
     }
 }
 
-fn wanted(args: &Args, input: &TriMesh) -> Result<usize> {
+/// Returns the sizes of the results.
+fn wanted(args: &Args, input: &TriMesh) -> Result<Vec<Size>> {
+    if !args.levels.is_empty() {
+        return Ok(args.levels.iter().copied().map(Size::Vertices).collect());
+    }
+    if let Some(error) = args.error {
+        return Ok(vec![Size::Within(error.of(input))]);
+    }
+    Ok(vec![Size::Vertices(number(args, input)?)])
+}
+
+/// Returns the number of vertices of a single result.
+fn number(args: &Args, input: &TriMesh) -> Result<usize> {
     if let Some(ratio) = args.ratio {
         if !(ratio > 0.0 && ratio.is_finite()) {
             bail!("--ratio {ratio}: a finite number above 0 is needed");
@@ -221,13 +449,9 @@ fn wanted(args: &Args, input: &TriMesh) -> Result<usize> {
     args.n.context("-n is needed")
 }
 
-fn report_result(
-    args: &Args,
-    input: &MeshFile,
-    found: &Decimation,
-    elapsed: std::time::Duration,
-    par: Par,
-) -> Result<()> {
+fn report_result(args: &Args, input: &MeshFile, level: &Level, par: Par) -> Result<()> {
+    let Level { found, elapsed, .. } = level;
+    let elapsed = *elapsed;
     let (vertices, faces) = (found.mesh.vertices().len(), found.mesh.faces().len());
     status!(
         "decimated",
@@ -260,8 +484,12 @@ fn report_result(
         let more = intersecting - before;
         note(format_args!("{more} more faces intersect others than in the input: try another -n"));
     }
-    if !args.report {
+    if !args.report && args.error.is_none() {
         return Ok(());
+    }
+    let difference = Difference::between(&input.mesh, &found.mesh, par)?;
+    if !args.report {
+        return report_bound(&difference);
     }
     report!(
         "intersect",
@@ -270,7 +498,8 @@ fn report_result(
         "{intersecting} faces, {before} before"
     )?;
     report_quality(found)?;
-    report_difference(Difference::between(&input.mesh, &found.mesh, par)?)?;
+    report_bound(&difference)?;
+    report_difference(&difference)?;
     let length = edge_length_for(found.mesh.area(), vertices)?;
     report!("edges", length = length; "{length:.4e} long if all triangles were equilateral")
 }
@@ -305,9 +534,15 @@ fn report_quality(found: &Decimation) -> Result<()> {
     Ok(())
 }
 
-/// Reports the distances of a result from its input.
-fn report_difference(difference: Difference) -> Result<()> {
-    let Difference { hausdorff, chamfer, printed_hausdorff, printed_chamfer } = difference;
+/// Reports how far a point of the result or of the input is from the other surface at most.
+fn report_bound(difference: &Difference) -> Result<()> {
+    let bound = difference.hausdorff_bound;
+    report!("distance", bound = bound; "{bound:.4e} at most, of any point of either surface")
+}
+
+/// Reports the distances of the vertices of a result from its input, and back.
+fn report_difference(difference: &Difference) -> Result<()> {
+    let &Difference { hausdorff, chamfer, printed_hausdorff, printed_chamfer, .. } = difference;
     report!(
         "hausdorff": "Hausdorff",
         distance = hausdorff,

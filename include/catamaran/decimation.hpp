@@ -25,8 +25,21 @@ struct decimation_options {
     bool cut_narrow_handles = false;
     /// Whether edges of the input stay whole.
     bool keep_edges = false;
+    /// Vertices that stay, each once: the first of the result, in this order; edges between them
+    /// stay, unless they are longer than those of the result (decimation::locked_edges).
+    std::vector<std::uint32_t> locked;
+    /// Whether areas are made as equal as possible, at the cost of the shapes of triangles.
+    bool uniform = false;
     /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
+};
+
+/// Edges between locked vertices: cata_decimation_locked_edges.
+struct locked_edge_counts {
+    /// Those of the input.
+    std::size_t edges = 0;
+    /// Those which the result does not have.
+    std::size_t lost = 0;
 };
 
 /// Where vertices of a decimated mesh lie on the input, and those of the input in their cells.
@@ -65,6 +78,9 @@ inline cata_decimation_params params_of(const decimation_options& how) {
     params.first = how.first.value_or(0);
     params.cut_narrow_handles = how.cut_narrow_handles ? 1 : 0;
     params.keep_edges = how.keep_edges ? 1 : 0;
+    params.locked = how.locked.empty() ? nullptr : how.locked.data();
+    params.n_locked = how.locked.size();
+    params.uniform = how.uniform ? 1 : 0;
     return params;
 }
 
@@ -75,22 +91,28 @@ class decimation {
 public:
     /// Decimates a mesh.
     decimation(const mesh_view& mesh, std::size_t n, const decimation_options& how = {})
-        : before_vertices_(mesh.n_vertices), before_faces_(mesh.n_faces) {
-        cata_decimation_params params = detail::params_of(how);
-        detail::watcher watcher(how.progress);
-        watcher.attach(params);
-        cata_decimation* made = nullptr;
-        watcher.finish(cata_decimation_new(mesh.n_vertices, mesh.vertices, mesh.n_faces, mesh.faces,
-                                           n, &params, &made));
-        handle_.reset(made);
-        std::size_t n_vertices = 0, n_faces = 0;
-        std::int32_t repaired = 0;
-        detail::check(cata_decimation_size(made, &n_vertices, &n_faces, &repaired));
-        repaired_ = repaired != 0;
-        vertices_.resize(n_vertices);
-        faces_.resize(n_faces);
-        detail::check(
-            cata_decimation_get(made, detail::first_of(vertices_), detail::first_of(faces_)));
+        : decimation(mesh, how, cata_decimation_new, n) {}
+
+    /// The decimation to the fewest vertices that a search finds for which no point of either
+    /// surface is farther from the other one than `error`: cata_decimation_new_within.
+    static decimation within(const mesh_view& mesh, double error,
+                             const decimation_options& how = {}) {
+        return decimation(mesh, how, cata_decimation_new_within, error);
+    }
+
+    /// An upper bound of the distance of any point of either surface from the other one:
+    /// cata_decimation_bound.
+    double bound() const {
+        double found = 0;
+        detail::check(cata_decimation_bound(handle_.get(), &found));
+        return found;
+    }
+
+    /// Edges between locked vertices.
+    locked_edge_counts locked_edges() const {
+        locked_edge_counts found;
+        detail::check(cata_decimation_locked_edges(handle_.get(), &found.edges, &found.lost));
+        return found;
     }
 
     /// Vertices of the result.
@@ -166,6 +188,26 @@ private:
     struct free {
         void operator()(cata_decimation* handle) const noexcept { cata_decimation_free(handle); }
     };
+
+    template <class Make, class Size>
+    decimation(const mesh_view& mesh, const decimation_options& how, Make make, Size size)
+        : before_vertices_(mesh.n_vertices), before_faces_(mesh.n_faces) {
+        cata_decimation_params params = detail::params_of(how);
+        detail::watcher watcher(how.progress);
+        watcher.attach(params);
+        cata_decimation* made = nullptr;
+        watcher.finish(make(mesh.n_vertices, mesh.vertices, mesh.n_faces, mesh.faces, size, &params,
+                            &made));
+        handle_.reset(made);
+        std::size_t n_vertices = 0, n_faces = 0;
+        std::int32_t repaired = 0;
+        detail::check(cata_decimation_size(made, &n_vertices, &n_faces, &repaired));
+        repaired_ = repaired != 0;
+        vertices_.resize(n_vertices);
+        faces_.resize(n_faces);
+        detail::check(
+            cata_decimation_get(made, detail::first_of(vertices_), detail::first_of(faces_)));
+    }
 
     std::size_t before_vertices_;
     std::size_t before_faces_;

@@ -1,11 +1,14 @@
 //! Decimation and farthest points.
 
-use catamaran_geometry::decimate::{DecimateOptions, FarthestPoints, Method, decimate as reduce};
+use catamaran_geometry::decimate::{
+    DecimateOptions, FarthestPoints, Method, decimate as reduce, decimate_within,
+};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
 use crate::array::{from_rows, from_vec};
 use crate::mesh::{arrays, first_vertex, mesh, numbers};
-use crate::options::{Threads, arguments, par, word};
+use crate::options::{Threads, arguments, par, vertex, word};
 use crate::sparse::{Parts, parts};
 use crate::task::{Length, run};
 
@@ -16,30 +19,47 @@ arguments! {
         resample: bool,
         lloyd: usize,
         relaxation: usize,
+        uniform: bool,
         cut_narrow_handles: bool,
         first: Option<i64>,
+        locked: Vec<i64>,
         threads: Threads,
     }
 }
 
-/// Vertices, faces, the face of the input at each vertex, its weights there, and the matrix from
-/// functions on the result to functions on the input.
+/// Vertices, faces, the face of the input at each vertex, its weights there, the matrix from
+/// functions on the result to functions on the input, and the number of lost edges between locked
+/// vertices.
 type Decimated<'py> =
-    (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Parts<'py>);
+    (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Parts<'py>, usize);
+
+/// The size of the result.
+enum Size {
+    Vertices(usize),
+    /// Largest distance of the surfaces.
+    Within(f64),
+}
 
 /// See `catamaran.decimate`.
 #[pyfunction]
-#[pyo3(signature = (v, f, n, how, progress))]
+#[pyo3(signature = (v, f, n, error, how, progress))]
 pub fn decimate<'py>(
     py: Python<'py>,
     v: &Bound<'py, PyAny>,
     f: &Bound<'py, PyAny>,
-    n: usize,
+    n: Option<usize>,
+    error: Option<f64>,
     how: How,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Decimated<'py>> {
+    let size = match (n, error) {
+        (Some(n), None) => Size::Vertices(n),
+        (None, Some(error)) => Size::Within(error),
+        _ => return Err(PyTypeError::new_err("decimate: either n or error is needed")),
+    };
     let method =
         word("method", &how.method, &[("uniform", Method::Uniform), ("thesis", Method::Thesis)])?;
+    let locked = how.locked.iter().map(|&v| vertex("locked", v)).collect::<PyResult<Vec<_>>>()?;
     let (par, first, mesh) = (par(how.threads)?, first_vertex(how.first)?, mesh(v, f)?);
     let (found, weights) = run(py, Length::Long, progress, move |progress| {
         let options = DecimateOptions::new()
@@ -47,19 +67,25 @@ pub fn decimate<'py>(
             .resample(how.resample)
             .lloyd(how.lloyd)
             .relaxation(how.relaxation)
+            .uniform(how.uniform)
             .cut_narrow_handles(how.cut_narrow_handles)
             .first(first)
+            .locked(&locked)
             .par(par)
             .progress(progress);
-        let found = reduce(&mesh, n, &options)?;
+        let found = match size {
+            Size::Vertices(n) => reduce(&mesh, n, &options)?,
+            Size::Within(error) => decimate_within(&mesh, error, &options)?,
+        };
         let weights = found.weights(&mesh, par)?;
         Ok((found, weights))
     })?;
     let of_faces = numbers(py, found.places.iter().map(|place| place.face));
     let inside = found.places.iter().map(|place| place.weights).collect();
+    let lost = found.lost_edges;
     let (v, f) = arrays(py, found.mesh)?;
     let inside = from_rows(py, inside)?.into_any();
-    Ok((v, f, of_faces, inside, parts(py, weights)))
+    Ok((v, f, of_faces, inside, parts(py, weights), lost))
 }
 
 /// Samples, the nearest sample of each vertex (-1 without), and its distance; see

@@ -158,8 +158,8 @@ pub fn compare<'py>(
     Ok([numbers(found.out), numbers(found.back)])
 }
 
-/// Hausdorff and chamfer distances, and both as the thesis prints them; see
-/// `catamaran.Decimated.difference`.
+/// Hausdorff and chamfer distances, both as the thesis prints them, and an upper bound of the first
+/// for all points; see `catamaran.Decimated.difference`.
 #[pyfunction]
 #[pyo3(signature = (first, second, threads))]
 pub fn difference<'py>(
@@ -167,12 +167,13 @@ pub fn difference<'py>(
     first: Mesh<'py>,
     second: Mesh<'py>,
     threads: Threads,
-) -> PyResult<[f64; 4]> {
+) -> PyResult<[f64; 5]> {
     let [first, second] = [mesh(&first.0, &first.1)?, mesh(&second.0, &second.1)?];
     let par = par(threads)?;
     let found = run(py, Length::Long, None, move |_| Difference::between(&first, &second, par))?;
-    let Difference { hausdorff, chamfer, printed_hausdorff, printed_chamfer } = found;
-    Ok([hausdorff, chamfer, printed_hausdorff, printed_chamfer])
+    let Difference { hausdorff, hausdorff_bound, chamfer, printed_hausdorff, printed_chamfer } =
+        found;
+    Ok([hausdorff, chamfer, printed_hausdorff, printed_chamfer, hausdorff_bound])
 }
 
 /// Measures of uniformity, in the order of `catamaran.Mesh.quality`.

@@ -30,6 +30,36 @@ def test_decimation_keeps_topology_and_says_where_things_are():
         catamaran.decimate(v, f, 2)
 
 
+def test_decimation_to_an_error():
+    v, f = shapes.icosphere(4)
+    found = catamaran.decimate(v, f, error=0.03)
+    assert found.difference((v, f)).hausdorff_bound <= 0.03
+    assert len(catamaran.decimate(v, f, error=0.1).v) < len(found.v) < 500
+    again = catamaran.decimate(v, f, len(found.v))
+    assert np.array_equal(again.v, found.v) and np.array_equal(again.f, found.f)
+    with pytest.raises(ValueError, match="^error: "):
+        catamaran.decimate(v, f, error=-1.0)
+    for both in ({}, {"n": 100, "error": 0.1}):
+        with pytest.raises(TypeError, match="either n or error"):
+            catamaran.decimate(v, f, **both)
+
+
+def test_locked_vertices_of_a_decimation_are_its_first():
+    v, f = shapes.icosphere(4)
+    locked = [300, 7, 2000]
+    found = catamaran.decimate(v, f, 100, locked=locked)
+    assert np.array_equal(found.v[:3], v[locked])
+    mask = np.isin(np.arange(len(v)), locked)
+    assert np.array_equal(catamaran.decimate(v, f, 100, locked=mask).v[:3], v[mask])
+    with pytest.raises(ValueError, match="^locked: "):
+        catamaran.decimate(v, f, 100, locked=[len(v)])
+    with pytest.raises(TypeError, match="^locked: "):
+        catamaran.decimate(v, f, 100, locked=[1.5])
+    v, f = shapes.icosphere(0)
+    with pytest.warns(UserWarning, match="30 edges between locked vertices"):
+        catamaran.decimate(v, f, 400, locked=range(12))
+
+
 def test_farthest_points_are_far():
     v, f = shapes.icosphere(4)
     found = catamaran.farthest_points(v, f, 12, first=3, return_cells=True)

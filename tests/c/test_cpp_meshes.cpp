@@ -66,6 +66,22 @@ void decimations() {
     CHECK(status_of([&] { catamaran::decimation(small, 7, whole); }) == CATA_ERR_ARGUMENT);
     const std::vector<std::array<std::uint32_t, 3>> beyond{{{0, 1, 6}}};
     CHECK(status_of([&] { catamaran::decimation({octahedron, beyond}, 4); }) == CATA_ERR_MESH);
+    // As few vertices as an error allows.
+    const auto near = catamaran::decimation::within(small, 0.1);
+    CHECK(near.bound() > 0 && near.bound() <= 0.1);
+    CHECK(near.vertices().size() > catamaran::decimation::within(small, 0.3).vertices().size());
+    CHECK(status_of([&] { catamaran::decimation::within(small, 0); }) == CATA_ERR_ARGUMENT);
+    // Locked vertices are the first ones.
+    catamaran::decimation_options locks;
+    locks.locked = {5, 90, 17};
+    const catamaran::decimation stays(fine.mesh(), 40, locks);
+    for (std::size_t i = 0; i < 3; ++i) {
+        CHECK(stays.vertices()[i] == fine.vertices()[locks.locked[i]]);
+    }
+    CHECK(stays.locked_edges().lost <= stays.locked_edges().edges);
+    locks.locked = {0, 1, 2, 3, 4, 5};
+    const catamaran::decimation corners(small, 100, locks);
+    CHECK(corners.locked_edges().edges == 12 && corners.locked_edges().lost == 12);
 
     const catamaran::sampling points = catamaran::farthest_points(fine.mesh(), 6);
     CHECK(points.samples.size() == 6 && points.nearest[points.samples[5]] == 5);

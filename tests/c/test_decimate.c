@@ -70,6 +70,50 @@ static void test_torus(void)
     }
 }
 
+static void test_within_an_error(void)
+{
+    cata_decimation *torus = NULL;
+    size_t few = 0, many = 0;
+    double bound = 0;
+    for (int k = 0; k < 2; k++) {
+        const double error = k == 0 ? 0.3 : 0.1;
+        CHECK_STATUS(cata_decimation_new_within(V, vertices, F, faces, error, NULL, &torus),
+                     CATA_OK);
+        CHECK_STATUS(cata_decimation_bound(torus, &bound), CATA_OK);
+        CHECK(bound > 0.5 * error && bound <= error);
+        CHECK_STATUS(cata_decimation_size(torus, k == 0 ? &few : &many, NULL, NULL), CATA_OK);
+        cata_decimation_free(torus);
+    }
+    CHECK(few < many && many < V);
+    CHECK_STATUS(cata_decimation_new_within(V, vertices, F, faces, -1, NULL, &torus),
+                 CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("error");
+}
+
+static void test_locked_vertices(void)
+{
+    const uint32_t locked[3] = {21, 1, 500}, out[1] = {V};
+    cata_decimation_params params;
+    cata_decimation *torus = NULL;
+    size_t n_edges = 7, n_lost = 7;
+    CHECK_STATUS(cata_decimation_params_init(&params, sizeof params), CATA_OK);
+    params.locked = locked;
+    params.n_locked = 3;
+    CHECK_STATUS(decimate(N, &params, &torus), CATA_OK);
+    CHECK_STATUS(cata_decimation_get(torus, more_vertices, NULL), CATA_OK);
+    for (size_t i = 0; i < 3; i++) {
+        CHECK(memcmp(more_vertices + 3 * i, vertices + 3 * locked[i], 3 * sizeof(double)) == 0);
+    }
+    /* Of these, 1 and 21 = 20 + 1 are neighbours. */
+    CHECK_STATUS(cata_decimation_locked_edges(torus, &n_edges, &n_lost), CATA_OK);
+    CHECK(n_edges == 1 && n_lost == 0);
+    cata_decimation_free(torus);
+    params.locked = out;
+    params.n_locked = 1;
+    CHECK_STATUS(decimate(N, &params, &torus), CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("locked");
+}
+
 static void test_what_is_carried(void)
 {
     cata_decimation *torus = NULL;
@@ -181,6 +225,8 @@ int main(void)
 {
     make_torus();
     test_torus();
+    test_within_an_error();
+    test_locked_vertices();
     test_what_is_carried();
     test_farthest_points();
     test_refusals();

@@ -3,7 +3,7 @@
 use std::fs;
 
 use catamaran::io::{Output, Overwrite};
-use catamaran_geometry::mesh::io::{Attribute, MeshFile, read, write};
+use catamaran_geometry::mesh::io::{Attribute, MeshFile, Scalars, read, write};
 use catamaran_geometry::mesh::{TriMesh, families};
 
 use crate::common::Folder;
@@ -82,6 +82,99 @@ fn a_mesh_has_as_many_vertices_as_are_asked_for_and_a_report() {
         folder.succeed(&format!("decimate in.ply {arguments} -o out.stl --force"));
         folder.succeed(&format!("decimate in.ply {arguments} -o out.ply --force"));
         assert_eq!(read(&folder.path("out.ply")).unwrap().mesh.vertices().len(), vertices);
+    }
+}
+
+#[test]
+fn an_error_sets_the_number_of_vertices_and_the_report_has_the_distance_that_it_bounds() {
+    let folder = folder("in.ply", &sphere().into());
+    let bound = |said: &str| {
+        let line = said.lines().find(|line| line.starts_with("distance ")).unwrap();
+        line.split_whitespace().nth(1).unwrap().parse::<f64>().unwrap()
+    };
+    let said = folder.succeed("decimate in.ply --error 0.03 -o length.ply");
+    assert!(bound(&said) <= 0.03 && !said.contains("Hausdorff"), "{said}");
+    let few = read(&folder.path("length.ply")).unwrap().mesh;
+    assert!(few.vertices().len() < 400, "{said}");
+    // The diagonal of the ball's box is 2 sqrt(3).
+    let said = folder.succeed("decimate in.ply --error 0.2% -o share.ply --report");
+    assert!(bound(&said) <= 0.002 * 12f64.sqrt() && said.contains("Hausdorff"), "{said}");
+    assert!(read(&folder.path("share.ply")).unwrap().mesh.vertices().len() > few.vertices().len());
+    for (arguments, why) in [
+        ("--error 0", "expected a positive length"),
+        ("--error -1%", "expected a positive length"),
+        ("--error 0.1 -n 100", "cannot be used with"),
+    ] {
+        let run = folder.run(&format!("decimate in.ply {arguments} -o no.ply"));
+        assert!(run.code != Some(0) && run.stderr.contains(why), "{}", run.stderr);
+    }
+}
+
+#[test]
+fn locked_vertices_come_first_and_stay_where_they_are() {
+    let mesh = sphere();
+    let mut file = MeshFile::from(mesh.clone());
+    let values = (0..mesh.vertices().len()).map(|v| f64::from(u8::from(v == 9 || v == 300)));
+    file.scalars.push(Scalars { name: "fixed".into(), values: values.collect() });
+    let folder = folder("in.ply", &file);
+    folder.write("fixed.txt", "# three\n\n300\n7\n2000\n");
+    for (option, vertices) in
+        [("--lock fixed.txt", vec![300, 7, 2000]), ("--lock-by fixed", vec![9, 300])]
+    {
+        let said = folder.succeed(&format!("decimate in.ply -n 100 {option} -o out.ply --force"));
+        assert!(said.contains(&format!("locked      {} vertices", vertices.len())), "{said}");
+        let made = read(&folder.path("out.ply")).unwrap().mesh;
+        assert_eq!(made.vertices().len(), 100);
+        for (at, v) in vertices.into_iter().enumerate() {
+            assert_eq!(made.vertices()[at], mesh.vertices()[v]);
+        }
+    }
+    for (text, why) in [
+        ("5\nx\n", "wrong.txt: line 2: 'x' is not a vertex from 0 to 2561"),
+        ("2562\n", "wrong.txt: line 1: '2562' is not a vertex from 0 to 2561"),
+        ("5\n6\n5\n", "wrong.txt: line 3: vertex 5 is also in line 1"),
+        ("# nothing\n", "wrong.txt: names no vertex"),
+    ] {
+        folder.write("wrong.txt", text);
+        let said = folder.fail("decimate in.ply -n 100 --lock wrong.txt -o no.ply");
+        assert!(said.contains(why), "{said}");
+    }
+    let said = folder.fail("decimate in.ply -n 100 --lock-by loose -o no.ply");
+    assert!(said.contains("--lock-by loose: in.ply has no such scalar: fixed"), "{said}");
+    let said = folder.fail("decimate in.ply -n 5 --lock fixed.txt --method thesis -o no.ply");
+    assert!(said.contains("--lock: the method of the thesis locks no vertices"), "{said}");
+    let said = folder.fail("decimate in.ply -n 100 --lock none.txt -o no.ply");
+    assert!(said.contains("none.txt"), "{said}");
+}
+
+#[test]
+fn levels_are_decimated_from_each_other_and_named_by_their_numbers() {
+    let mesh = sphere();
+    let mut file = MeshFile::from(mesh.clone());
+    file.colors = Some(vec![[1.0, 0.5, 0.0, 1.0]; mesh.vertices().len()]);
+    let folder = folder("in.ply", &file);
+    folder.write("fixed.txt", "300\n7\n");
+    let said = folder
+        .succeed("decimate in.ply --levels 400,120,30 --lock fixed.txt -o lod-{}.ply --report");
+    assert_eq!(said.matches("Hausdorff").count(), 3, "{said}");
+    let level = |n: usize| read(&folder.path(&format!("lod-{}.ply"))).unwrap();
+    for n in [400, 120, 30] {
+        let made = level(n);
+        assert_eq!(made.mesh.vertices().len(), n);
+        assert_eq!(made.mesh.vertices()[..2], [mesh.vertices()[300], mesh.vertices()[7]]);
+        assert!(made.colors.is_some());
+    }
+    folder.write("first.txt", "0\n1\n");
+    folder.succeed("decimate lod-400.ply -n 120 --lock first.txt -o alone.ply");
+    let alone = read(&folder.path("alone.ply")).unwrap().mesh;
+    assert_eq!(alone, level(120).mesh);
+    for (arguments, why) in [
+        ("--levels 100,50 -o no.ply", "{} must stand for the number of vertices"),
+        ("--levels 50,100 -o no-{}.ply", "--levels: each must have fewer vertices"),
+        ("--levels 50,2 -o no-{}.ply", "--levels: 2, but 1 components need 4 vertices"),
+    ] {
+        let said = folder.fail(&format!("decimate in.ply {arguments}"));
+        assert!(said.contains(why), "{said}");
     }
 }
 

@@ -38,6 +38,7 @@ fn folder() -> Folder {
         put(&format!("{name}.ply"), TriMesh::new(vertices, mesh.faces().to_vec()).unwrap());
     }
     folder.write("labels.txt", "ann\nann\nbob\nbob\n");
+    folder.write("rim.txt", "0\n40\n80\n");
     put("top.ply", families::grid(16, 10).unwrap());
     put("bottom.ply", families::grid(10, 14).unwrap());
     folder

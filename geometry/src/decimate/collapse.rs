@@ -68,16 +68,19 @@ fn key(patch: &Patch, a: u32, b: u32) -> u64 {
 }
 
 /// Collapses the edge, if possible, into its middle, otherwise into an end, or into its end on the
-/// boundary. Returns the vertex that is left.
+/// boundary or its locked end. Returns the vertex that is left.
 fn collapse(patch: &mut Patch, a: u32, b: u32, care: Care) -> Option<u32> {
     if !patch.can_collapse(a, b) {
         return None;
     }
+    // The second vertex is left: the locked one.
+    let [a, b] = if patch.locked[a as usize] { [b, a] } else { [a, b] };
     let [p, q] = [a, b].map(|v| patch.position(v));
     let middle = patch.middle(a, b);
     let places: &[_] = match [a, b].map(|v| patch.on_boundary[v as usize]) {
         [true, false] => &[p],
         [false, true] => &[q],
+        _ if patch.locked[b as usize] => &[q],
         _ => &[middle, p, q],
     };
     let allowed = |at: Vector| match care {
@@ -122,7 +125,10 @@ pub(super) fn exchange(patch: &mut Patch) -> Result<()> {
         if !untouched(patch, edge) || !patch.can_collapse(a, b) {
             continue;
         }
-        let Some(&(_, [c, d])) = pairs.find(|edge| untouched(patch, edge)) else { break };
+        let may_split = |edge: &&(f64, [u32; 2])| {
+            untouched(patch, edge) && !patch.is_kept(edge.1[0], edge.1[1])
+        };
+        let Some(&(_, [c, d])) = pairs.find(may_split) else { break };
         if [c, d].iter().any(|v| *v == a || *v == b) {
             continue;
         }

@@ -196,15 +196,16 @@ pub(super) fn first_sample(surface: &Surface<'_>, first: Option<u32>) -> Result<
     let has_face = |v: u32| (v as usize) < surface.len() && !surface.links(v).is_empty();
     match first {
         Some(v) if has_face(v) => Ok(v),
-        Some(v) => Err(without_face(v, surface.len())),
+        Some(v) => Err(without_face("first", v, surface.len())),
         None => (0..surface.len() as u32)
             .find(|&v| has_face(v))
             .ok_or_else(|| Error::Mesh { what: "has no face".into(), element: "mesh".into() }),
     }
 }
 
-/// Returns the error of a first sample that no face has; `vertices` are those of the mesh.
-pub(super) fn without_face(v: u32, vertices: usize) -> Error {
+/// Returns the error of a sample that no face has; `vertices` are those of the mesh, and `what` is
+/// the option that names the sample.
+pub(super) fn without_face(what: &'static str, v: u32, vertices: usize) -> Error {
     let why = format!("must be a vertex with a face, is {v} of {vertices}");
-    Error::Argument { what: "first", why }
+    Error::Argument { what, why }
 }

@@ -9,7 +9,7 @@ const BLOCK: usize = 1 << 14;
 
 /// Returns those of the `doubtful` cells and their neighbours that have to be split so that the
 /// dual is a triangulation of the surface, ascending. `sizes` are the numbers of vertices of all
-/// cells.
+/// cells, and `inside` tells which cells may not touch the boundary.
 ///
 /// A cell is the part of the surface around its vertices; two cells meet along arcs across their
 /// mixed edges, three cells meet in corners within triangles of three cells. The dual is a
@@ -23,6 +23,7 @@ pub(super) fn faults(
     growth: &Growth,
     doubtful: &[bool],
     sizes: &[u32],
+    inside: impl Fn(usize) -> bool,
     par: Par,
 ) -> Vec<u32> {
     let cells = doubtful.len();
@@ -61,7 +62,8 @@ pub(super) fn faults(
     triples.iter().flatten().for_each(|&cell| has_corner[cell as usize] = true);
     for cell in (0..cells).filter(|&cell| doubtful[cell]) {
         // A cell without a corner would be lost; if it can't be split, its neighbours must be.
-        bad[cell] = euler[cell] != 1 || touches[cell] > 1 || !has_corner[cell];
+        let strays = touches[cell] > 0 && inside(cell);
+        bad[cell] = euler[cell] != 1 || touches[cell] > 1 || !has_corner[cell] || strays;
     }
     for group in triples.chunk_by(|a, b| a == b).filter(|group| group.len() > 1) {
         blame(&group[0], &mut bad);

@@ -18,8 +18,8 @@ const PART: f64 = 0.5;
 /// Operations that finding the height of a face is equal to.
 const MEASURED: f64 = 5000.0;
 
-/// Raises all vertices except those on the boundary by a share of the mean height of the surface
-/// above the surrounding faces.
+/// Raises all vertices except those on the boundary and locked ones by a share of the mean height
+/// of the surface above the surrounding faces.
 pub(super) fn fit(surface: &Surface<'_>, patch: &mut Patch, par: Par) -> Result<()> {
     let operations = MEASURED * BLOCK as f64;
     let heights = par.map_blocks_asking(patch.faces.len(), BLOCK, operations, |range| {
@@ -46,7 +46,7 @@ fn height(surface: &Surface<'_>, patch: &Patch, face: usize) -> f64 {
 fn raised(patch: &Patch, v: u32, heights: &[f64]) -> Option<Vector> {
     let here = patch.position(v);
     let faces = patch.around(v);
-    if patch.on_boundary[v as usize] || faces.is_empty() {
+    if patch.on_boundary[v as usize] || patch.locked[v as usize] || faces.is_empty() {
         return None;
     }
     let mut normal = [0.0; 3];

@@ -51,7 +51,12 @@ fn narrow_loop(patch: &Patch, a: u32, b: u32, longest: f64) -> Option<u32> {
         let loop_length = patch.length(a, b) + patch.length(b, *c) + patch.length(*c, a);
         of_b.contains(c) && !filled.contains(c) && loop_length < longest
     });
-    let inside = |&c: &u32| [a, b, c].iter().all(|&v| !patch.on_boundary[v as usize]);
+    let inside = |&c: &u32| {
+        [a, b, c].iter().all(|&v| {
+            let v = v as usize;
+            !patch.on_boundary[v] && !patch.locked[v]
+        })
+    };
     candidates.into_iter().find(inside)
 }
 

@@ -7,12 +7,13 @@ use crate::mesh::vector::{Vector, distance, scale};
 use catamaran::base::Result;
 
 /// Moves each sample to the vertex of its cell nearest to the centroid of the cell, and grows cells
-/// again. `areas` are the areas of the vertices.
+/// again. `areas` are the areas of the vertices. Samples for which `stays` holds do not move.
 pub(super) fn pass(
     surface: &Surface<'_>,
     growth: &mut Growth,
     samples: &mut [u32],
     areas: &[f64],
+    stays: impl Fn(u32) -> bool,
     cutoff: f32,
 ) -> Result<()> {
     let mut sums: Vec<(Vector, f64)> = vec![([0.0; 3], 0.0); samples.len()];
@@ -33,7 +34,9 @@ pub(super) fn pass(
             },
         )
         .collect();
-    let mut nearest = vec![f64::INFINITY; samples.len()];
+    // Nothing is nearer to a sample that stays.
+    let least = |&sample: &u32| if stays(sample) { f64::NEG_INFINITY } else { f64::INFINITY };
+    let mut nearest: Vec<f64> = samples.iter().map(least).collect();
     for (v, cell) in each() {
         if let Some(least) = nearest.get_mut(cell) {
             let found = distance(surface.position(v), centroids[cell]);

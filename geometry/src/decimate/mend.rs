@@ -215,6 +215,9 @@ impl Mending<'_, '_> {
     }
 
     fn try_move(&mut self, v: u32, target: Vector) -> Option<Vec<u32>> {
+        if self.patch.locked[v as usize] {
+            return None;
+        }
         let faces = self.patch.around(v).to_vec();
         let least = self.least_quality(&faces);
         let (p, anchor) = self.landing(v, target)?;

@@ -4,6 +4,7 @@
 //! See docs/algorithms/decimate.md for the mathematics.
 
 mod batches;
+mod bound;
 mod carry;
 mod cells;
 mod closest;
@@ -17,6 +18,7 @@ mod gaps;
 mod guard;
 mod handles;
 mod lloyd;
+mod locks;
 mod loss;
 mod mend;
 mod options;
@@ -37,6 +39,7 @@ mod splits;
 mod strips;
 mod surface;
 mod topology;
+mod within;
 
 pub use cells::Cells;
 pub use difference::Difference;
@@ -48,3 +51,4 @@ pub use resample::{Resampled, resample};
 pub use result::{Decimation, Topology};
 pub use size::{edge_length_for, vertices_for_edge_length, vertices_for_faces};
 pub use solver::{Decimator, decimate};
+pub use within::decimate_within;

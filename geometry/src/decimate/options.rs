@@ -41,6 +41,10 @@ options! {
         /// not lie on one side of the faces, and the places farthest from it are repaired; 0 omits
         /// all of this.
         relaxation: usize = 12;
+        /// Whether the relaxation ends with passes that make the areas of the triangles as equal as
+        /// possible, at the cost of their shapes: areas vary half as much. It has no effect without
+        /// relaxation passes.
+        uniform: bool = false;
         /// Whether handles that are too narrow for the triangles of the result are cut and their
         /// ends closed, as [`Decimation::after`](super::Decimation::after) reports. Otherwise all
         /// handles are kept.
@@ -48,6 +52,12 @@ options! {
         /// The vertex of the first sample, which must have a face; `None`: the lowest vertex with a
         /// face.
         first: Option<u32> = None, setter into;
+        /// Vertices of the input that stay, each once: they are the first vertices of the result,
+        /// in this order, at exactly the same positions, and an edge of the input between two of
+        /// them stays an edge, unless it is longer than the edges of the result and split
+        /// (`resample`; [`Decimation::lost_edges`](super::Decimation::lost_edges) counts
+        /// those). n must be at least their number. Not with [`Method::Thesis`].
+        locked: &'a [u32] = &[];
         /// Threads. Their number does not change the result.
         par: Par = Par::all();
         /// Callback for progress, which may cancel.

@@ -1,6 +1,6 @@
 //! Numbers vertices along a curve through space, so that near ones are near in memory.
 
-use super::patch::Patch;
+use super::patch::{Compact, Patch};
 use crate::mesh::TriMesh;
 use crate::mesh::intersections::Curve;
 use catamaran::base::{Result, reserved};
@@ -52,11 +52,14 @@ pub(super) fn along_curve(mesh: &TriMesh) -> Result<Ordered> {
 /// # Errors
 /// As [`along_curve`].
 pub(super) fn pack(patch: Patch) -> Result<Patch> {
-    let (positions, anchors, _, faces) = patch.compact();
+    let Compact { positions, anchors, locked, kept, faces, .. } = patch.compact();
     let Ordered { mesh, vertices, .. } = along_curve(&TriMesh::new(positions, faces)?)?;
+    let locked = vertices.iter().map(|&v| locked[v as usize]).collect();
     let anchors = vertices.into_iter().map(|v| anchors[v as usize]).collect();
     let (positions, faces) = mesh.into_parts();
-    Ok(Patch::new(positions, anchors, faces))
+    let mut packed = Patch::new(positions, anchors, faces);
+    packed.lock(locked, kept);
+    Ok(packed)
 }
 
 /// Returns the numbers of items in the order of their keys, equal ones in their own order.

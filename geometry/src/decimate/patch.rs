@@ -1,6 +1,8 @@
 //! The new mesh during changes: faces, the faces at each vertex, and the changes that preserve a
 //! manifold.
 
+use std::collections::HashSet;
+
 use crate::mesh::intersections::{Bounds, BoxTree, Corners};
 use crate::mesh::vector::{Vector, distance, dot, doubled_normal, middle, unit};
 
@@ -11,6 +13,14 @@ const LATE: usize = 128;
 /// The new position of a vertex, and its anchor there.
 pub(super) type Move = (Vector, u32);
 
+/// Edges between anchors, the lower one first.
+pub(super) type Kept = HashSet<[u32; 2]>;
+
+/// Returns an edge in the form in which [`Kept`] has it.
+pub(super) fn edge(a: u32, b: u32) -> [u32; 2] {
+    [a.min(b), a.max(b)]
+}
+
 /// Marks a removed face.
 const GONE: [u32; 3] = [u32::MAX; 3];
 
@@ -20,6 +30,10 @@ pub(super) struct Patch {
     /// For each vertex, a vertex of the input near it, which is on the boundary if the vertex is.
     pub anchors: Vec<u32>,
     pub on_boundary: Vec<bool>,
+    /// Whether each vertex stays where it is.
+    pub locked: Vec<bool>,
+    /// Edges between the anchors of locked vertices that stay.
+    kept: Kept,
     pub faces: Vec<[u32; 3]>,
     /// For each vertex its faces; empty for a removed vertex.
     around: Vec<Vec<u32>>,
@@ -45,14 +59,29 @@ impl Patch {
         }
         let count = around.iter().filter(|faces| !faces.is_empty()).count();
         let on_boundary = vec![false; positions.len()];
+        let (locked, kept) = (vec![false; positions.len()], Kept::new());
         let tree = BoxTree::new(0, |_| None);
-        let mut patch = Self { positions, anchors, on_boundary, faces, around, count, tree };
+        let mut patch =
+            Self { positions, anchors, on_boundary, locked, kept, faces, around, count, tree };
         for v in 0..patch.positions.len() as u32 {
             let neighbours = patch.neighbours(v);
             patch.on_boundary[v as usize] = neighbours.len() > patch.around[v as usize].len();
         }
         patch.plant_tree();
         patch
+    }
+
+    /// Locks vertices, and the edges between them whose ends have these anchors.
+    pub fn lock(&mut self, locked: Vec<bool>, kept: Kept) {
+        (self.locked, self.kept) = (locked, kept);
+    }
+
+    /// Returns whether the edge from a to b stays.
+    pub fn is_kept(&self, a: u32, b: u32) -> bool {
+        let [a, b] = [a, b].map(|v| v as usize);
+        self.locked[a]
+            && self.locked[b]
+            && self.kept.contains(&edge(self.anchors[a], self.anchors[b]))
     }
 
     /// Builds a tree of the current faces.
@@ -211,7 +240,12 @@ impl Patch {
 
     /// Returns whether the edge can collapse without a change of the topology: the links of its
     /// ends meet in the link of the edge (Dey et al., Topology preserving edge contraction, 1999).
+    /// Two locked ends can't be one vertex, and a locked end inside can't be on the boundary.
     pub fn can_collapse(&self, a: u32, b: u32) -> bool {
+        let [at, bt] = [a, b].map(|v| (self.locked[v as usize], self.on_boundary[v as usize]));
+        if at.0 && bt.0 || at == (true, false) && bt.1 || bt == (true, false) && at.1 {
+            return false;
+        }
         let Some(Sides { first, second }) = self.sides(a, b) else { return false };
         let both = self.on_boundary[a as usize] && self.on_boundary[b as usize];
         if both && second.is_some() {
@@ -250,8 +284,10 @@ impl Patch {
         })
     }
 
-    /// Replaces a by b in all faces of a, and moves b to p. The edge must be collapsible.
+    /// Replaces a by b in all faces of a, and moves b to p. The edge must be collapsible, and a not
+    /// locked.
     pub fn collapse(&mut self, a: u32, b: u32, p: Vector) {
+        debug_assert!(!self.locked[a as usize]);
         let mut gone = Vec::with_capacity(2);
         for f in std::mem::take(&mut self.around[a as usize]) {
             let face = &mut self.faces[f as usize];
@@ -276,15 +312,20 @@ impl Patch {
         self.count -= 1;
     }
 
-    /// Inserts a vertex in the middle of the edge from a to b, and returns it.
+    /// Inserts a vertex in the middle of the edge from a to b, and returns it; `None` if the edge
+    /// stays.
     pub fn split(&mut self, a: u32, b: u32) -> Option<u32> {
         let sides = self.sides(a, b)?;
+        if self.is_kept(a, b) {
+            return None;
+        }
         let new = self.positions.len() as u32;
         self.positions.push(self.middle(a, b));
         let on_boundary = sides.second.is_none();
         // On the boundary, both ends have their anchors there.
         self.anchors.push(self.anchors[a as usize]);
         self.on_boundary.push(on_boundary);
+        self.locked.push(false);
         self.around.push(Vec::with_capacity(8));
         for f in [Some(sides.first), sides.second].into_iter().flatten() {
             let face = self.faces[f as usize];
@@ -316,6 +357,9 @@ impl Patch {
             return None;
         }
         let least = |v: u32| if self.on_boundary[v as usize] { 1 } else { 3 };
+        if self.is_kept(a, b) {
+            return None;
+        }
         if self.around(a).len() <= least(a) || self.around(b).len() <= least(b) {
             return None;
         }
@@ -349,6 +393,7 @@ impl Patch {
             self.positions.push(self.positions[v as usize]);
             self.anchors.push(self.anchors[v as usize]);
             self.on_boundary.push(false);
+            self.locked.push(false);
             for &f in &ends[k] {
                 self.faces[f as usize] =
                     self.faces[f as usize].map(|w| if w == v { new[k] } else { w });
@@ -371,21 +416,32 @@ impl Patch {
         self.count += 3;
     }
 
-    /// Returns the remaining vertices, renumbered: positions, anchors, whether each is on the
-    /// boundary, and faces.
-    pub fn compact(self) -> (Vec<Vector>, Vec<u32>, Vec<bool>, Vec<[u32; 3]>) {
+    /// Returns the remaining vertices, renumbered, and faces.
+    pub fn compact(self) -> Compact {
         let kept: Vec<usize> =
             (0..self.positions.len()).filter(|&v| !self.around[v].is_empty()).collect();
         let mut number = vec![u32::MAX; self.positions.len()];
         kept.iter().zip(0..).for_each(|(&v, new)| number[v] = new);
         let faces = self.faces.into_iter().filter(|&face| face != GONE);
-        (
-            kept.iter().map(|&v| self.positions[v]).collect(),
-            kept.iter().map(|&v| self.anchors[v]).collect(),
-            kept.iter().map(|&v| self.on_boundary[v]).collect(),
-            faces.map(|face| face.map(|v| number[v as usize])).collect(),
-        )
+        Compact {
+            positions: kept.iter().map(|&v| self.positions[v]).collect(),
+            anchors: kept.iter().map(|&v| self.anchors[v]).collect(),
+            on_boundary: kept.iter().map(|&v| self.on_boundary[v]).collect(),
+            locked: kept.iter().map(|&v| self.locked[v]).collect(),
+            kept: self.kept,
+            faces: faces.map(|face| face.map(|v| number[v as usize])).collect(),
+        }
     }
+}
+
+/// The vertices and faces of a [`Patch`] without those that were removed.
+pub(super) struct Compact {
+    pub positions: Vec<Vector>,
+    pub anchors: Vec<u32>,
+    pub on_boundary: Vec<bool>,
+    pub locked: Vec<bool>,
+    pub kept: Kept,
+    pub faces: Vec<[u32; 3]>,
 }
 
 /// A flip of an edge, which joins its opposite corners instead.

@@ -3,11 +3,14 @@
 use super::batches::seeds;
 use super::cells::Growth;
 use super::faults::faults;
+use super::locks::Locks;
 use super::surface::Surface;
 use catamaran::base::{Par, Progress, Result};
 
 /// Splits cells at their farthest vertices until the dual of all is a triangulation of the surface.
-/// It terminates, because the dual is the surface itself when every vertex is a sample.
+/// The cell of a locked vertex inside is split, too, if it touches the boundary, where its vertex
+/// would have to go. It terminates, because the dual is the surface itself when every vertex is a
+/// sample.
 ///
 /// # Errors
 /// [`Error::Cancelled`](catamaran::base::Error::Cancelled).
@@ -15,6 +18,7 @@ pub(super) fn refine(
     surface: &Surface<'_>,
     growth: &Growth,
     samples: &mut Vec<u32>,
+    locks: &Locks,
     par: Par,
     progress: Progress<'_>,
 ) -> Result<()> {
@@ -22,7 +26,11 @@ pub(super) fn refine(
     for round in 1.. {
         progress.report(1.0 - 1.0 / f64::from(round))?;
         census.update(growth, samples.len());
-        let bad = faults(surface, growth, &census.doubtful, &census.sizes, par);
+        let inside = |cell: usize| {
+            let v = samples[cell];
+            locks.contains(v) && !surface.on_boundary[v as usize]
+        };
+        let bad = faults(surface, growth, &census.doubtful, &census.sizes, inside, par);
         let first = samples.len();
         samples.extend(census.split(surface, growth, samples, &bad));
         if samples.len() == first {

@@ -22,13 +22,14 @@ const SWEEPS: usize = 4;
 /// Delaunay; short edges exchanged for long ones, except in the last passes; vertices moved to the
 /// centroids of their faces and back onto the surface, or to its creases and tips; at the end they
 /// are raised off it by half its height above the faces. Handles that are too narrow for edges of
-/// length `narrow` are cut.
+/// length `narrow` are cut. With `uniform`, areas are made even before the end.
 pub(super) fn relax(
     surface: &Surface<'_>,
     quadrics: &Quadrics<'_, '_>,
     patch: &mut Patch,
     passes: usize,
     narrow: f64,
+    uniform: bool,
     par: Par,
     progress: Progress<'_>,
 ) -> Result<()> {
@@ -47,14 +48,35 @@ pub(super) fn relax(
         } else {
             make_delaunay(patch)?;
         }
-        move_vertices(surface, quadrics, patch, par)?;
+        move_vertices(surface, quadrics, patch, Aim::Regular, par)?;
     }
     if passes > 0 {
         make_delaunay(patch)?;
+        let even = if uniform { EVEN_PASSES } else { 0 };
+        for _ in 0..even {
+            move_vertices(surface, quadrics, patch, Aim::Even, par)?;
+        }
         fit(surface, patch, par)?;
     }
     Ok(())
 }
+
+/// Where vertices move.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Aim {
+    /// To the centroid of their faces, which makes triangles equilateral.
+    Regular,
+    /// Towards the largest of their faces, which makes areas equal.
+    Even,
+}
+
+/// Number of passes that make areas equal, the power of the areas by which the centroids of faces
+/// have weights in these passes, and the part of the way to their mean that a vertex moves. On a
+/// torus and on terrains, the variation of areas falls from .13 to .065 with them, to .10 with the
+/// power 2, and mean quality from .91 to .89; with larger steps, passes do not come to rest.
+const EVEN_PASSES: usize = 20;
+const EVEN_POWER: i32 = 8;
+const EVEN_STEP: f64 = 1.5 / EVEN_POWER as f64;
 
 /// Operations that deciding about a flip is equal to.
 const TRIED: f64 = 500.0;
@@ -150,12 +172,13 @@ fn move_vertices(
     surface: &Surface<'_>,
     quadrics: &Quadrics<'_, '_>,
     patch: &mut Patch,
+    aim: Aim,
     par: Par,
 ) -> Result<()> {
     let vertices = patch.positions().len();
     let operations = MOVED * BLOCK as f64;
     let moves = par.map_blocks_asking(vertices, BLOCK, operations, |range| {
-        let found = range.map(|v| target(surface, quadrics, patch, v as u32));
+        let found = range.map(|v| target(surface, quadrics, patch, aim, v as u32));
         found.map(|found| found.map(|found| (found.point, found.vertex))).collect::<Vec<_>>()
     })?;
     move_all(patch, &moves.concat(), par);
@@ -167,15 +190,18 @@ fn target(
     surface: &Surface<'_>,
     quadrics: &Quadrics<'_, '_>,
     patch: &Patch,
+    aim: Aim,
     v: u32,
 ) -> Option<Found> {
     let here = patch.position(v);
     let anchor = patch.anchors[v as usize];
-    if patch.around(v).is_empty() {
+    if patch.around(v).is_empty() || patch.locked[v as usize] {
         return None;
     }
     if patch.on_boundary[v as usize] {
-        return on_boundary(surface, anchor, boundary_target(patch, v, here)?);
+        let along = boundary_target(patch, v, here)?;
+        let target = if aim == Aim::Even { even_target(patch, v, here) } else { along };
+        return on_boundary(surface, anchor, target);
     }
     let mut sum = [0.0; 3];
     let mut normals = [0.0; 3];
@@ -195,7 +221,10 @@ fn target(
         return on_surface(surface, anchor, here);
     }
     let normal = unit(normals);
-    let step = sub(scale(sum, 1.0 / weight), here);
+    let step = match aim {
+        Aim::Regular => sub(scale(sum, 1.0 / weight), here),
+        Aim::Even => sub(even_target(patch, v, here), here),
+    };
     let out = dot(step, normal);
     let p = std::array::from_fn(|k| here[k] + step[k] - out * normal[k]);
     if norm(normals) >= FLAT * weight {
@@ -207,6 +236,26 @@ fn target(
     let found = on_surface(surface, anchor, quadrics.sharpest(patch, v, p, length))?;
     let lost = norm(gap_of_move(patch, v, found.point, here));
     (lost <= MOVE_LOSS * length).then_some(found)
+}
+
+/// Returns a point on the way from v to the mean of the centroids of its faces, in which large
+/// faces have by far the largest weights.
+fn even_target(patch: &Patch, v: u32, here: Vector) -> Vector {
+    let faces = patch.around(v).iter().map(|&f| patch.faces[f as usize]);
+    let areas: Vec<f64> = faces.clone().map(|face| norm(patch.normal(face))).collect();
+    let largest = areas.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let mut sum = [0.0; 3];
+    let mut weight = 0.0;
+    for (face, area) in faces.zip(areas) {
+        let [a, b, c] = patch.corners_at(face);
+        let share = (area / largest).powi(EVEN_POWER);
+        (0..3).for_each(|k| sum[k] += share * (a[k] + b[k] + c[k]) / 3.0);
+        weight += share;
+    }
+    if weight <= 0.0 {
+        return here;
+    }
+    std::array::from_fn(|k| here[k] + EVEN_STEP * (sum[k] / weight - here[k]))
 }
 
 /// Ratio of the sum of normals to the sum of areas below which moving a vertex may lose detail.

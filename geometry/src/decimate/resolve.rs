@@ -55,6 +55,9 @@ pub(super) fn resolve(
 fn untangle(surface: &Surface<'_>, patch: &mut Patch, f: u32) -> bool {
     let Some(face) = patch.face(f as usize) else { return false };
     for v in face {
+        if patch.locked[v as usize] {
+            continue;
+        }
         for target in targets(patch, v) {
             let anchor = patch.anchors[v as usize];
             let is_on_boundary = patch.on_boundary[v as usize];

@@ -16,6 +16,11 @@ pub struct Decimation {
     /// For each vertex of the new mesh, the nearest point of the input. The vertex is off the input
     /// by half of the height of the input above the surrounding faces.
     pub places: Vec<SurfacePoint>,
+    /// Number of edges of the input between locked vertices.
+    pub locked_edges: usize,
+    /// Number of these edges that the new mesh does not have: edges longer than those of the new
+    /// mesh, which were split.
+    pub lost_edges: usize,
     /// The repairs of the input before decimation.
     pub repairs: Repairs,
     /// The topology of the input, after repairs.

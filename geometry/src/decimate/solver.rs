@@ -1,6 +1,7 @@
 //! The whole decimation, from a mesh and a number of vertices to the new mesh.
 
 use std::borrow::Cow;
+use std::collections::HashSet;
 
 use super::batches::add_samples;
 use super::cells::{Cells, Growth, Seed};
@@ -8,10 +9,11 @@ use super::closest::nearest;
 use super::collapse::reduce;
 use super::farthest::{Sampler, first_sample, without_face};
 use super::gaps::Gaps;
+use super::locks::{Locks, check_number};
 use super::mend::mend;
 use super::options::{DecimateOptions, Method};
 use super::order::pack;
-use super::patch::Patch;
+use super::patch::{Compact, Patch};
 use super::prepare::{Prepared, prepare};
 use super::quadric::Quadrics;
 use super::refine::refine;
@@ -79,6 +81,7 @@ struct Source<'m> {
     /// Area of the surface.
     area: f64,
     components: Vec<Component>,
+    locks: Locks,
     sampler: Sampler,
 }
 
@@ -91,7 +94,7 @@ impl<'m> Source<'m> {
             (Some(v), Some(vertices)) => {
                 // The first part of a vertex that was split.
                 let mut parts = (0..).zip(vertices).filter(|&(at, &of)| of == v && has_face(&at));
-                let (part, _) = parts.next().ok_or_else(|| without_face(v, given))?;
+                let (part, _) = parts.next().ok_or_else(|| without_face("first", v, given))?;
                 Some(part)
             }
             (None, Some(vertices)) => {
@@ -107,9 +110,23 @@ impl<'m> Source<'m> {
         let at = component_of(&prepared.surface, &components, first);
         components[at].first = first;
         components.swap(0, at);
+        if options.method == Method::Thesis && !options.locked.is_empty() {
+            let why = "the method of the thesis locks no vertices".into();
+            return Err(Error::Argument { what: "locked", why });
+        }
+        let locks = Locks::new(&prepared, options.locked, given)?;
         let sampler = Sampler::empty(&prepared.surface, options.par)?;
         let area = prepared.surface.mesh.area();
-        Ok(Self { prepared, area, components, sampler })
+        Ok(Self { prepared, area, components, locks, sampler })
+    }
+
+    /// Returns the samples with which all results begin: one in each component, and the locked
+    /// vertices.
+    fn starts(&self) -> Vec<u32> {
+        let mut samples: Vec<u32> = self.components.iter().map(|part| part.first).collect();
+        let known: HashSet<u32> = samples.iter().copied().collect();
+        samples.extend(self.locks.vertices.iter().filter(|&v| !known.contains(v)));
+        samples
     }
 }
 
@@ -137,8 +154,8 @@ impl<'m, 'o> Decimator<'m, 'o> {
     ///
     /// # Errors
     /// [`Error::Mesh`] for a mesh without faces, with lengths out of range, or with a vertex that
-    /// can't be cut to a manifold; [`Error::Argument`] when no face has vertex `options.first`;
-    /// [`Error::OutOfMemory`].
+    /// can't be cut to a manifold; [`Error::Argument`] when no face has vertex `options.first` or
+    /// one of `options.locked`; [`Error::OutOfMemory`].
     pub fn new(mesh: &'m TriMesh, options: &DecimateOptions<'o>) -> Result<Self> {
         let source = Source::new(Cow::Borrowed(mesh), options)?;
         Ok(Self { input: mesh, options: *options, source })
@@ -148,7 +165,8 @@ impl<'m, 'o> Decimator<'m, 'o> {
     ///
     /// # Errors
     /// [`Error::Argument`] when n is more than indices can number, or less than the topology needs:
-    /// 4 for every closed component, 3 for every other one, and more for handles and loops.
+    /// 4 for every closed component, 3 for every other one, and more for handles, loops and locked
+    /// vertices.
     /// [`Error::OutOfMemory`], [`Error::Cancelled`].
     pub fn decimate(&mut self, n: usize) -> Result<Decimation> {
         let progress = self.options.progress;
@@ -197,6 +215,7 @@ impl<'m, 'o> Decimator<'m, 'o> {
         if n > there {
             check_request("n", format_args!("{n} vertices"), n as f64 * BYTES_OF_A_VERTEX)?;
         }
+        check_number(&self.source.locks, n)?;
         let components = &self.source.components;
         if self.options.method == Method::Thesis && n < components.len() {
             return refused(format!("{n}, but the mesh has {} components", components.len()));
@@ -226,15 +245,15 @@ impl<'m, 'o> Decimator<'m, 'o> {
         )?;
         let places = sampler.samples().iter().map(|&v| at_vertex(surface, v)).collect();
         let cells = sampler.growth().cells(surface.scale);
-        self.finish(mesh, cells, places)
+        self.finish(mesh, cells, places, [0; 2])
     }
 
     fn uniform(&mut self, n: usize, progress: Progress<'_>) -> Result<Decimation> {
         let par = self.options.par;
-        let Source { prepared, area, components, sampler } = &mut self.source;
+        let mut samples = self.source.starts();
+        let Source { prepared, area, components, locks, sampler } = &mut self.source;
         let (surface, area) = (&prepared.surface, *area);
         let (growth, taken) = sampler.in_batches();
-        let mut samples: Vec<u32> = components.iter().map(|component| component.first).collect();
         let more = taken.iter().skip(samples.len()).take(n.saturating_sub(samples.len()));
         samples.extend(more);
         growth.clear();
@@ -249,18 +268,23 @@ impl<'m, 'o> Decimator<'m, 'o> {
         let areas = if self.options.lloyd > 0 { vertex_areas(&surface.mesh) } else { Vec::new() };
         for pass in 0..self.options.lloyd {
             progress.part(0.4..0.6).report(pass as f64 / self.options.lloyd as f64)?;
-            lloyd::pass(surface, growth, &mut samples, &areas, cutoff)?;
+            let stays = |v: u32| locks.contains(v);
+            lloyd::pass(surface, growth, &mut samples, &areas, stays, cutoff)?;
         }
-        refine(surface, growth, &mut samples, par, progress.part(0.6..0.7))?;
+        refine(surface, growth, &mut samples, locks, par, progress.part(0.6..0.7))?;
 
-        let mut patch = dual_patch(surface, growth, &samples, self.options);
+        let mut patch = dual_patch(surface, growth, &samples, locks, self.options);
         let reach = |patch: &mut Patch| match reduce(patch, n)? {
             left if left == n => Ok(()),
             left => {
                 let topology = topology(surface, components.len());
+                let locked = match locks.vertices.len() {
+                    0 => String::new(),
+                    count => format!(" and {count} locked vertices"),
+                };
                 let why = format!(
-                    "{n}, but the topology ({topology}) could not be kept with fewer than {left} \
-                     vertices"
+                    "{n}, but the topology ({topology}){locked} could not be kept with fewer than \
+                     {left} vertices"
                 );
                 Err(Error::Argument { what: "n", why })
             }
@@ -274,7 +298,8 @@ impl<'m, 'o> Decimator<'m, 'o> {
         if passes > 0 {
             patch = pack(patch)?;
             let quadrics = Quadrics::new(surface);
-            relax(surface, &quadrics, &mut patch, passes, narrow, par, progress.part(0.7..0.9))?;
+            let (uniform, part) = (self.options.uniform, progress.part(0.7..0.9));
+            relax(surface, &quadrics, &mut patch, passes, narrow, uniform, par, part)?;
             reach(&mut patch)?;
             resolve(surface, self.input, &mut patch, par)?;
             growth.clear();
@@ -285,7 +310,9 @@ impl<'m, 'o> Decimator<'m, 'o> {
             mend(&gaps, &quadrics, &mut patch, par, progress.part(0.9..0.98))?;
             reach(&mut patch)?;
         }
-        let (positions, anchors, on_rim, faces) = patch.compact();
+        let compact = locks.first(patch.compact());
+        let edges = [locks.edges.len(), locks.lost_edges(&compact)];
+        let Compact { positions, anchors, on_boundary: on_rim, faces, .. } = compact;
         let mesh = TriMesh::new(positions, faces)?;
         let places: Vec<SurfacePoint> = (0..n)
             .map(|v| {
@@ -298,15 +325,17 @@ impl<'m, 'o> Decimator<'m, 'o> {
         growth.grow(surface, &place_seeds(surface, &mesh, &places), cutoff)?;
         growth.grow_on(surface)?;
         let cells = growth.cells(surface.scale);
-        self.finish(mesh, cells, places)
+        self.finish(mesh, cells, places, edges)
     }
 
-    /// Returns the result in terms of the input.
+    /// Returns the result in terms of the input, with the numbers of all edges between locked
+    /// vertices and of those that are lost.
     fn finish(
         &self,
         mesh: TriMesh,
         cells: Cells,
         mut places: Vec<SurfacePoint>,
+        [locked_edges, lost_edges]: [usize; 2],
     ) -> Result<Decimation> {
         let Prepared { surface, vertices, faces, repairs } = &self.source.prepared;
         for (place, &p) in places.iter_mut().zip(mesh.vertices()) {
@@ -333,7 +362,8 @@ impl<'m, 'o> Decimator<'m, 'o> {
             (Method::Thesis, Err(Error::Mesh { .. })) => None,
             (_, Err(error)) => return Err(error),
         };
-        Ok(Decimation { mesh, cells, places, repairs: *repairs, before, after })
+        let repairs = *repairs;
+        Ok(Decimation { mesh, cells, places, locked_edges, lost_edges, repairs, before, after })
     }
 }
 
@@ -343,16 +373,20 @@ fn dual_patch(
     surface: &Surface<'_>,
     growth: &Growth,
     samples: &[u32],
+    locks: &Locks,
     options: DecimateOptions<'_>,
 ) -> Patch {
     let faces = dual::faces(surface, growth, options.par);
     let positions = samples.iter().map(|&v| surface.position(v)).collect();
     let mut patch = Patch::new(positions, samples.to_vec(), faces);
+    let locked = samples.iter().map(|&v| locks.contains(v)).collect();
+    patch.lock(locked, locks.edges.clone());
     let mut nearest = vec![f32::INFINITY; samples.len()];
     for v in (0..surface.len() as u32).filter(|&v| surface.on_boundary[v as usize]) {
         let (cell, distance) = (growth.cell(v) as usize, growth.distance(v));
-        if cell < samples.len() && distance < nearest[cell] && patch.on_boundary[cell] {
-            nearest[cell] = distance;
+        let Some(nearest) = nearest.get_mut(cell) else { continue };
+        if distance < *nearest && patch.on_boundary[cell] && !patch.locked[cell] {
+            *nearest = distance;
             patch.anchors[cell] = v;
             patch.place(cell as u32, surface.position(v));
         }

@@ -144,6 +144,11 @@ impl Triangles {
         Some(Near { square: triangle.distance_2(&p), normal: unit(doubled_normal(triangle.0)) })
     }
 
+    /// Returns the corners of the face nearest to p; `None` when the mesh has no face.
+    pub fn nearest_face(&self, p: Vector) -> Option<[Vector; 3]> {
+        self.0.nearest_neighbor(p).map(|triangle| triangle.0)
+    }
+
     /// Returns the squared distance of each point from the nearest face; 0 when the mesh has no
     /// face.
     pub fn squares(&self, points: &[Vector], par: Par) -> Vec<f64> {

@@ -9,7 +9,8 @@ use catamaran::base::Progress;
 use catamaran::{Error, Par};
 use catamaran_geometry::decimate::{
     Cells, DecimateOptions, Decimation, Decimator, Difference, FarthestPoints, Method, Quality,
-    decimate, edge_length_for, resample, vertices_for_edge_length, vertices_for_faces,
+    decimate, decimate_within, edge_length_for, resample, vertices_for_edge_length,
+    vertices_for_faces,
 };
 use catamaran_geometry::mesh::io::{self, Attribute, MeshFile};
 use catamaran_geometry::mesh::{
@@ -158,8 +159,10 @@ fn every_family_is_decimated_with_its_topology() {
         let mesh = mesh.unwrap();
         for n in sizes {
             let name = format!("{name} to {n}");
-            let found = decimate(&mesh, n, &options()).unwrap_or_else(|e| panic!("{name}: {e}"));
-            check(&name, &mesh, n, &found);
+            for options in [options(), options().uniform(true)] {
+                let found = decimate(&mesh, n, &options).unwrap_or_else(|e| panic!("{name}: {e}"));
+                check(&name, &mesh, n, &found);
+            }
         }
     }
 }
@@ -195,6 +198,21 @@ fn results_are_uniform() {
         let literal = options().method(Method::Thesis);
         let thesis = Quality::of(&decimate(&mesh, n, &literal).unwrap().mesh);
         assert!(thesis.mean_quality < quality.mean_quality, "{thesis}");
+    }
+}
+
+#[test]
+fn areas_are_even_where_that_is_asked_for_and_nothing_else_is_lost() {
+    for (name, mesh, n) in [
+        ("torus", families::torus(200, 100, 2.0, 0.8).unwrap(), 1000),
+        ("terrain", families::terrain(200, 200, 1).unwrap(), 1500),
+    ] {
+        let found = decimate(&mesh, n, &options().uniform(true)).unwrap();
+        check(name, &mesh, n, &found);
+        let quality = Quality::of(&found.mesh);
+        assert!(quality.area_variation <= 0.08, "{name}: {quality}");
+        assert!(quality.mean_quality > 0.85, "{name}: {quality}");
+        assert!(found.mesh.intersecting_faces(Par::Seq).is_empty(), "{name}");
     }
 }
 
@@ -725,6 +743,265 @@ fn differences_have_exact_values() {
     assert_eq!(refused.to_string(), "mesh: has no face");
     let found = Difference::between(&square, &square, Par::Threads(2)).unwrap();
     assert_eq!((found.hausdorff, found.printed_chamfer), (0.0, 0.0));
+}
+
+/// Triangles of this side at the corners of an equilateral one of side 1.
+fn corners_of_a_triangle(side: f64) -> [TriMesh; 2] {
+    let high = 3f64.sqrt() / 2.0;
+    let whole = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, high, 0.0]];
+    let parts = (0..3).flat_map(|k| {
+        let towards = |p: [f64; 3]| {
+            let at = |i: usize| whole[k][i] + side * (p[i] - whole[k][i]);
+            std::array::from_fn(at)
+        };
+        whole.map(towards)
+    });
+    let faces = vec![[0, 1, 2], [3, 4, 5], [6, 7, 8]];
+    [
+        TriMesh::new(whole.to_vec(), vec![[0, 1, 2]]).unwrap(),
+        TriMesh::new(parts.collect(), faces).unwrap(),
+    ]
+}
+
+#[test]
+fn the_bound_of_the_distance_is_of_all_points_not_of_vertices_alone() {
+    for side in [0.1, 0.01, 0.3] {
+        let [whole, parts] = corners_of_a_triangle(side);
+        // The middle is farthest from the corners that are left.
+        let exact = 1.0 / 3f64.sqrt() - side * 3f64.sqrt() / 2.0;
+        for [a, b] in [[&whole, &parts], [&parts, &whole]] {
+            let found = Difference::between(a, b, Par::Seq).unwrap();
+            assert!(found.hausdorff < 1e-15, "{found:?}");
+            let bound = found.hausdorff_bound;
+            assert!(bound >= exact * (1.0 - 1e-12) && bound <= 1.01 * exact, "{bound}, {exact}");
+        }
+    }
+}
+
+#[test]
+fn the_bound_of_the_distance_is_tight_for_surfaces_of_different_faces() {
+    // Two triangulations of one plane, and of a parallel one.
+    let coarse = families::grid(3, 2).unwrap();
+    let (vertices, faces) = families::grid(17, 23).unwrap().into_parts();
+    for height in [0.0, 0.125] {
+        let raised = vertices.iter().map(|p| [p[0], p[1], height]).collect();
+        let fine = TriMesh::new(raised, faces.clone()).unwrap();
+        let bound = Difference::between(&coarse, &fine, Par::Seq).unwrap().hausdorff_bound;
+        assert!(bound >= height && bound <= 1.01 * height + 1e-9, "{bound}, {height}");
+    }
+    // Spheres: a face of the coarse one is as deep as its middle, far from all its vertices.
+    let [ball, finest] = [2, 6].map(|level| families::icosphere(level).unwrap());
+    let norm = |p: [f64; 3]| distance(p, [0.0; 3]);
+    let depths = ball.faces().iter().map(|face| {
+        let corners = face.map(|v| ball.vertices()[v as usize]);
+        1.0 - norm(std::array::from_fn(|k| corners.iter().map(|p| p[k] / 3.0).sum()))
+    });
+    let deepest = depths.fold(0.0, f64::max);
+    for par in [Par::Seq, Par::Threads(3)] {
+        let bound = Difference::between(&ball, &finest, par).unwrap().hausdorff_bound;
+        // The middle of a face is nearly its deepest point; the finest ball is .0002 inside.
+        assert!(bound >= deepest - 3e-4 && bound <= 1.02 * deepest, "{bound}, {deepest}");
+        assert_eq!(bound, Difference::between(&ball, &finest, Par::Seq).unwrap().hausdorff_bound);
+    }
+}
+
+/// Checks that the first vertices of a result are these of the input, to the last bit, and that
+/// edges between them are there.
+fn check_locks(name: &str, mesh: &TriMesh, locked: &[u32], found: &Decimation) {
+    let bits = |p: [f64; 3]| p.map(f64::to_bits);
+    for (at, &v) in locked.iter().enumerate() {
+        let [was, is] = [mesh.vertices()[v as usize], found.mesh.vertices()[at]];
+        assert_eq!(bits(was), bits(is), "{name}: vertex {v}");
+    }
+    let pairs = |mesh: &TriMesh| Edges::new(mesh).ends().to_vec();
+    let there = pairs(&found.mesh);
+    let at = |v: u32| locked.iter().position(|&w| w == v).map(|at| at as u32);
+    let mut count = 0;
+    for [a, b] in pairs(mesh) {
+        if let (Some(a), Some(b)) = (at(a), at(b)) {
+            count += 1;
+            let is_there = there.contains(&[a.min(b), a.max(b)]);
+            assert!(is_there || found.lost_edges > 0, "{name}: edge {a} {b}");
+        }
+    }
+    assert_eq!(found.locked_edges, count, "{name}");
+}
+
+#[test]
+fn locked_vertices_and_the_edges_between_them_stay_on_every_family() {
+    let cases = [
+        ("icosphere", families::icosphere(4), vec![60, 500, 2562]),
+        ("spheres", families::spheres(3, 3), vec![80, 200]),
+        ("torus", families::torus(61, 29, 2.0, 0.7), vec![90, 300]),
+        ("genus 3", families::genus(3, 6), vec![200, 500]),
+        ("figure", families::figure(5, 0.5), vec![200, 400]),
+        ("grid", families::grid(40, 30), vec![97, 500]),
+        ("terrain", families::terrain(60, 50, 3), vec![101, 600]),
+        ("disk", families::disk(20, 60), vec![100, 400]),
+        ("cylinder", families::cylinder(60, 20, 1.0, 1.0), vec![100, 500]),
+        ("Moebius", families::moebius(100, 12), vec![100, 500]),
+    ];
+    let mut rng = catamaran::base::Rng::new(8);
+    for (name, mesh, sizes) in cases {
+        let mesh = mesh.unwrap();
+        let vertices = mesh.vertices().len();
+        // A path over edges, which may run along the boundary or beside it, and vertices anywhere.
+        let edges = Edges::new(&mesh);
+        let mut path = vec![0u32];
+        while path.len() < 20 {
+            let end = path[path.len() - 1];
+            let ends = edges.ends().iter().filter(|ends| ends.contains(&end));
+            let others = ends.map(|&[a, b]| if a == end { b } else { a });
+            let Some(next) = others.filter(|v| !path.contains(v)).last() else { break };
+            path.push(next);
+        }
+        while path.len() < 35 {
+            let v = (rng.uniform() * vertices as f64) as u32;
+            if !path.contains(&v) {
+                path.push(v);
+            }
+        }
+        for n in sizes {
+            for options in [
+                options().locked(&path).uniform(true),
+                options().locked(&path).lloyd(1).relaxation(0),
+            ] {
+                let name = format!("{name} to {n}");
+                let found = decimate(&mesh, n, &options).unwrap_or_else(|e| panic!("{name}: {e}"));
+                check(&name, &mesh, n, &found);
+                check_locks(&name, &mesh, &path, &found);
+                // Triangles that are smaller than those of the result have no long edges.
+                assert!(found.lost_edges == 0 || 6 * n > vertices, "{name}");
+            }
+        }
+    }
+}
+
+#[test]
+fn locks_that_are_none_change_nothing_and_impossible_ones_are_refused() {
+    let mesh = families::torus(61, 29, 2.0, 0.7).unwrap();
+    let without = decimate(&mesh, 100, &options()).unwrap();
+    assert_eq!((without.locked_edges, without.lost_edges), (0, 0));
+    assert_eq!(without, decimate(&mesh, 100, &options().locked(&[])).unwrap());
+    let many: Vec<u32> = (0..100).collect();
+    let stray = {
+        let (mut vertices, faces) = mesh.clone().into_parts();
+        vertices.push([0.0; 3]);
+        TriMesh::new(vertices, faces).unwrap()
+    };
+    let last = mesh.vertices().len() as u32;
+    for (locked, n, why) in [
+        (&many[..], 99, "n: 99, but 100 vertices are locked"),
+        (&[3, 5, 3], 50, "locked: has vertex 3 twice"),
+        (&[7, last], 50, "locked: must be a vertex with a face, is 1769 of 1770"),
+        (&[u32::MAX], 50, "locked: must be a vertex with a face, is 4294967295 of 1770"),
+    ] {
+        let refused = decimate(&stray, n, &options().locked(locked)).unwrap_err().to_string();
+        assert_eq!(refused, why);
+    }
+    let literal = options().locked(&[1]).method(Method::Thesis);
+    let refused = decimate(&mesh, 50, &literal).unwrap_err().to_string();
+    assert!(refused.starts_with("locked: "), "{refused}");
+    // All vertices of the result may be locked.
+    let ring: Vec<u32> = without
+        .places
+        .iter()
+        .map(|p| mesh.faces()[p.face as usize][0])
+        .collect::<std::collections::BTreeSet<_>>()
+        .into_iter()
+        .collect();
+    let found = decimate(&mesh, ring.len(), &options().locked(&ring)).unwrap();
+    check("all", &mesh, ring.len(), &found);
+    check_locks("all", &mesh, &ring, &found);
+}
+
+#[test]
+fn locks_survive_repairs_another_order_and_longer_edges() {
+    // A mesh whose neighbours are far from each other in memory, and which has a fan too many.
+    let (mut vertices, faces) = families::icosphere(5).unwrap().into_parts();
+    let half = vertices.len().div_ceil(2) as u32;
+    let number = |v: u32| v / 2 + half * (v % 2);
+    let old = vertices.clone();
+    old.iter().zip(0..).for_each(|(&p, v)| vertices[number(v) as usize] = p);
+    let faces: Vec<_> = faces.iter().map(|face| face.map(number)).collect();
+    let scattered = TriMesh::new(vertices.clone(), faces.clone()).unwrap();
+    let locked = [5, 4000, 17, 3, 9000];
+    let found = decimate(&scattered, 500, &options().locked(&locked)).unwrap();
+    check_locks("scattered", &scattered, &locked, &found);
+    let twice: Vec<_> = faces.iter().chain([&faces[7]]).copied().collect();
+    let repeated = TriMesh::new(vertices, twice).unwrap();
+    let found = decimate(&repeated, 500, &options().locked(&locked)).unwrap();
+    assert_eq!(found.repairs.repeated_faces, 1);
+    check_locks("repeated", &repeated, &locked, &found);
+    // Edges that are longer than those of the result are split, and counted; vertices stay.
+    let solid = families::icosphere(0).unwrap();
+    let all: Vec<u32> = (0..12).rev().collect();
+    let found = decimate(&solid, 400, &options().locked(&all)).unwrap();
+    check("solid", &solid, 400, &found);
+    check_locks("solid", &solid, &all, &found);
+    assert_eq!((found.locked_edges, found.lost_edges), (30, 30));
+    let whole = options().locked(&all).resample(false);
+    let found = decimate(&solid, 12, &whole).unwrap();
+    assert_eq!((found.locked_edges, found.lost_edges), (30, 0));
+    check_locks("whole", &solid, &all, &found);
+}
+
+#[test]
+fn vertices_without_a_face_have_no_distance() {
+    let square = families::grid(1, 1).unwrap();
+    let mut vertices = square.vertices().to_vec();
+    vertices.push([0.0, 0.0, 7.0]);
+    let stray = TriMesh::new(vertices, square.faces().to_vec()).unwrap();
+    for [a, b] in [[&square, &stray], [&stray, &square]] {
+        let found = Difference::between(a, b, Par::Seq).unwrap();
+        assert_eq!([found.hausdorff, found.chamfer, found.printed_hausdorff], [0.0; 3]);
+    }
+}
+
+#[test]
+fn as_few_vertices_as_an_error_allows_are_found_and_less_would_not_do() {
+    let cases = [
+        ("icosphere", families::icosphere(4), 0.02),
+        ("torus", families::torus(61, 29, 2.0, 0.7), 0.05),
+        ("terrain", families::terrain(60, 50, 3), 0.01),
+        ("genus 3", families::genus(3, 6), 0.08),
+        ("spheres", families::spheres(3, 3), 0.1),
+        ("Moebius", families::moebius(100, 12), 0.02),
+    ];
+    for (name, mesh, error) in cases {
+        let mesh = mesh.unwrap();
+        let found = decimate_within(&mesh, error, &options()).unwrap();
+        let n = found.mesh.vertices().len();
+        check(name, &mesh, n, &found);
+        let bound = Difference::between(&mesh, &found.mesh, Par::Seq).unwrap().hausdorff_bound;
+        assert!(bound <= error, "{name}: {bound} with {n}");
+        assert_eq!(found, decimate(&mesh, n, &options()).unwrap(), "{name}");
+        // An oracle that knows vertices alone.
+        let compared = Comparison::between(&mesh, &found.mesh, Par::Seq).unwrap();
+        assert!(compared.out.largest.max(compared.back.largest) <= bound, "{name}: {compared:?}");
+        // Clearly fewer vertices are not enough.
+        let fewer = decimate(&mesh, 4 * n / 5, &options());
+        let enough = fewer.is_ok_and(|fewer| {
+            Difference::between(&mesh, &fewer.mesh, Par::Seq).unwrap().hausdorff_bound <= error
+        });
+        assert!(!enough, "{name}: {n} are more than needed");
+    }
+}
+
+#[test]
+fn an_error_that_cannot_be_reached_is_refused_with_what_was_reached() {
+    let mesh = families::icosphere(2).unwrap();
+    let small = options().relaxation(2);
+    let refused = decimate_within(&mesh, 1e-9, &small.resample(false)).unwrap_err().to_string();
+    assert!(refused.starts_with("error: 1e-9 can't be reached: with "), "{refused}");
+    for error in [0.0, -1.0, f64::NAN] {
+        let refused = decimate_within(&mesh, error, &small).unwrap_err().to_string();
+        assert!(refused.starts_with("error: "), "{refused}");
+    }
+    // A large face needs more vertices than the input has.
+    let solid = families::icosphere(0).unwrap();
+    let found = decimate_within(&solid, 0.1, &options()).unwrap();
+    assert!(found.mesh.vertices().len() > solid.vertices().len());
 }
 
 #[test]

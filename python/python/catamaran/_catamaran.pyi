@@ -467,8 +467,13 @@ def locate_union(
     progress: Callback,
 ) -> Tuple[Array, List[Optional[Pieces]]]: ...
 def decimate(
-    v: ArrayLike, f: ArrayLike, n: int, how: Dict[str, Any], progress: Callback
-) -> Tuple[Array, Array, Array, Array, Csr]: ...
+    v: ArrayLike,
+    f: ArrayLike,
+    n: Optional[int],
+    error: Optional[float],
+    how: Dict[str, Any],
+    progress: Callback,
+) -> Tuple[Array, Array, Array, Array, Csr, int]: ...
 def farthest_points(
     v: ArrayLike, f: ArrayLike, n: int, first: Optional[int], progress: Callback
 ) -> Tuple[Array, Array, Array]: ...

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, Optional, Union
+from typing import Any, List, NamedTuple, Optional, Union, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
-from ._options import Progress, callback, to_nearest, to_scipy
+from ._options import Progress, callback, to_nearest, to_scipy, warn_caller
 from ._surface import Mesh, MeshLike, MeshOrArrays, blended, mesh_arrays, needed, takes_mesh
 from ._words import Reduction
 
@@ -35,6 +35,9 @@ class Difference(NamedTuple):
     #: Both as the thesis prints them, between vertices alone.
     printed_hausdorff: float
     printed_chamfer: float
+    #: An upper bound of the distance of any point of either surface from the other one: the
+    #: Hausdorff distance, or at most 1 % more.
+    hausdorff_bound: float
 
 
 class Decimated(NamedTuple):
@@ -87,18 +90,21 @@ class Decimated(NamedTuple):
 def decimate(
     v: ArrayLike,
     f: ArrayLike,
-    n: int,
+    n: Optional[int] = None,
     *,
+    error: Optional[float] = None,
     method: Reduction = "uniform",
     resample: bool = True,
     lloyd: int = 0,
     relaxation: int = 12,
+    uniform: bool = False,
     cut_narrow_handles: bool = False,
     first: Optional[int] = None,
+    locked: ArrayLike = (),
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> Decimated:
-    """Decimate a mesh uniformly to exactly `n` vertices.
+    """Decimate a mesh uniformly to exactly `n` vertices, or to as few as `error` allows.
 
     The result is a manifold with the pieces, boundary loops and handles of the input, and nearly
     equal triangles.
@@ -109,16 +115,26 @@ def decimate(
         Vertices and faces of the input.
     n : int
         Vertices of the result.
+    error : float
+        Instead of `n`: the largest distance of a point of either surface from the other one, in
+        units of the mesh. The result has as few vertices as a search finds, at most 2 % more than
+        a number that is too small; `Difference.hausdorff_bound` is at most `error`.
     method : {"uniform", "thesis"}
         "thesis" is the algorithm of the thesis to the letter, not a manifold in general.
     resample : bool
         Whether edges longer than those of the result are split first.
     lloyd, relaxation : int
         Passes that move samples to the centroids of their cells, and that improve the result.
+    uniform : bool
+        Whether areas are made as equal as possible, at the cost of the shapes of triangles.
     cut_narrow_handles : bool
         Whether handles too narrow for the triangles of the result are cut, and closed.
     first : int, optional
         The vertex that sampling starts at.
+    locked : array_like of int
+        Vertices that stay, each once, or a mask of all vertices: they are the first of the
+        result, in this order, at exactly the same positions. Edges between them stay, too,
+        except for those longer than the edges of the result, of which a warning tells.
     threads, progress
         As in `ata`.
 
@@ -139,12 +155,28 @@ def decimate(
         "resample": resample,
         "lloyd": lloyd,
         "relaxation": relaxation,
+        "uniform": uniform,
         "cut_narrow_handles": cut_narrow_handles,
         "first": first,
+        "locked": _numbers(locked),
         "threads": threads,
     }
-    v, f, face, inside, weights = _catamaran.decimate(v, f, n, how, callback(progress))
+    v, f, face, inside, weights, lost = _catamaran.decimate(
+        v, f, n, error, how, callback(progress)
+    )
+    if lost:
+        warn_caller(
+            f"{lost} edges between locked vertices are longer than those of the result, and split"
+        )
     return Decimated(v, f, Origin(face, inside), to_scipy(weights))
+
+
+def _numbers(vertices: ArrayLike) -> List[int]:
+    """Return the numbers of vertices, which may come as a mask."""
+    array = np.asarray(vertices)
+    if array.dtype == bool:
+        array = np.flatnonzero(array)
+    return cast(List[int], array.ravel().tolist())
 
 
 class FarthestPoints(NamedTuple):

@@ -71,6 +71,9 @@ fn decimation(choices: &mut Choices<'_>) {
         has_first: field(choices, "has_first", &[0, 1], &flags, r),
         cut_narrow_handles: field(choices, "cut_narrow_handles", &[0, 1], &flags, r),
         keep_edges: field(choices, "keep_edges", &[0, 0, 1], &flags, r),
+        locked: ptr::null(),
+        n_locked: 0,
+        uniform: field(choices, "uniform", &[0, 1], &flags, r),
     };
     let n = if value.keep_edges == 1 || value.method == 1 { 6 } else { choices.pick(&[6, 5, 20]) };
     let params = Params::new(choices, value, refused);
