@@ -5,13 +5,12 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use catamaran::Par;
 use catamaran::base::Progress;
-use catamaran::faer::{Mat, Scale};
+use catamaran::faer::Mat;
 use catamaran::io::{self as files, Output};
 use catamaran_geometry::mesh::io::{self as meshes, MeshFile};
 use catamaran_geometry::spectral::coordinates;
-use catamaran_geometry::spectral::descriptors::{heat_kernel, wave_kernel_signature, wave_scales};
 use catamaran_geometry::spectral::functional_map::{
-    MapFit, icp, map_from_points, points_from_map, pull_back, zoomout,
+    FoundMap, MapFit, icp, map_from_points, points_from_map, pull_back, search_map, zoomout,
 };
 use catamaran_geometry::spectral::{
     Eigenbasis, Orthogonalization, ProductBasis, ProductBasisOptions, Transfer, relative_errors,
@@ -26,7 +25,7 @@ use crate::parse::at_least_one;
 use crate::picture::{PLAIN, Paint, PictureArgs, first_column};
 use crate::pieces::Need;
 use crate::progress::Bar;
-use crate::report::{report, status};
+use crate::report::{note, report, status};
 use crate::shape::{self, LaplacianArgs, Mode, Shape, column};
 use crate::tables::TableArgs;
 
@@ -48,25 +47,22 @@ const ZOOM: usize = 100;
 /// The default of --smooth-functions.
 const SMOOTH: usize = 20;
 
-/// The time of heat kernels that --operators multiplies by, as a part of the area.
-const KERNEL_TIME: f64 = 1e-2;
-
-/// The number of wave kernel signatures that the functional map is fitted to.
-const SIGNATURES: usize = 50;
+/// Number of eigenfunctions that --refine zoomout adds at a time to the map of landmarks or
+/// segments.
+const STEP: usize = 1;
 
 /// Transfer functions, or the shape itself, from one mesh to another.
 ///
 /// Functions are written as sums of orthogonalized products of eigenfunctions.
 ///
-/// The correspondence of vertices is given, or computed from a few landmarks or from segments: a
-/// functional map is fitted to these and to wave kernel signatures, and refined; the vertices
-/// nearest under the map correspond.
+/// The correspondence of vertices is given, or computed: a functional map is fitted to landmarks or
+/// segments and to heat and wave kernel signatures; without any of these, it is searched for, among
+/// maps that keep left and right. It is refined, and the vertices nearest under it correspond.
 #[derive(clap::Args)]
 #[command(
     group = ArgGroup::new("what").args(["functions", "details"]).required(true),
     group = ArgGroup::new("correspondence")
         .args(["identity", "points", "landmarks", "segments"])
-        .required(true)
         .multiple(true)
 )]
 pub struct Args {
@@ -114,7 +110,7 @@ pub struct Args {
     /// and by the indicators of segments. Slower, but needs fewer landmarks and segments.
     #[arg(long, conflicts_with_all = ["identity", "points"])]
     operators: bool,
-    /// Refinement of the functional map of landmarks or segments.
+    /// Refinement of the functional map, unless the correspondence is given.
     #[arg(
         long,
         value_name = "HOW",
@@ -187,6 +183,9 @@ enum Details {
 pub fn run(args: &Args) -> Result<()> {
     if args.smooth_functions.is_some() && args.details != Some(Details::Heights) {
         bail!("--smooth-functions is for --details heights only");
+    }
+    if args.operators && args.landmarks.is_none() && args.segments.is_none() {
+        bail!("--operators is for --landmarks and --segments only");
     }
     let of_bases = args.k.max(args.target_k.unwrap_or(args.k));
     if let Some(zoom) = args.zoom
@@ -302,10 +301,10 @@ fn write_mesh(
 
 /// Returns the eigenfunctions that the transfer of `len` functions, which `option` sets, needs.
 fn needs(args: &Args, option: &'static str, len: usize) -> Vec<Need> {
-    let is_fitted = args.landmarks.is_some() || args.segments.is_some();
+    let is_computed = !args.identity && args.points.is_none();
     // Wave kernel signatures range between two different eigenvalues.
-    let mut needs = vec![Need { option, len, positive: if is_fitted { 2 } else { 0 } }];
-    if is_fitted && args.refine == Refine::Zoomout {
+    let mut needs = vec![Need { option, len, positive: if is_computed { 2 } else { 0 } }];
+    if is_computed && args.refine == Refine::Zoomout {
         // Refinement may use more eigenfunctions than the transfer, and uses no fewer.
         needs.push(Need { option: "--zoom", len: args.zoom.unwrap_or(ZOOM).max(len), positive: 0 });
     }
@@ -360,7 +359,11 @@ enum Known {
     /// The vertex of the source for each vertex of the target.
     Points(Vec<u32>),
     /// Pairs of vertices of source and target, and the labels of both.
-    Pairs { landmarks: Vec<(u32, u32)>, segments: Option<[Vec<u32>; 2]> },
+    Pairs {
+        landmarks: Vec<(u32, u32)>,
+        segments: Option<[Vec<u32>; 2]>,
+    },
+    Nothing,
 }
 
 impl Known {
@@ -378,6 +381,9 @@ impl Known {
                 bail!("--identity needs meshes with equal numbers of vertices, not {n} and {m}");
             }
             return Ok(Self::Points((0..m as u32).collect()));
+        }
+        if args.landmarks.is_none() && args.segments.is_none() {
+            return Ok(Self::Nothing);
         }
         let landmarks = match &args.landmarks {
             Some(path) => shape::vertices(path, &[n, m], &args.table)?,
@@ -406,21 +412,55 @@ fn correspondence(
     target: &Shape,
     lens: (usize, usize),
 ) -> Result<Vec<u32>> {
-    let (pairs, segments) = match known {
-        Known::Points(points) => return Ok(points),
-        Known::Pairs { landmarks, segments } => (landmarks, segments),
-    };
     let par = args.laplacian.par();
     let low = (source.eigenbasis.truncated(lens.0)?, target.eigenbasis.truncated(lens.1)?);
+    let bases = (low.0.basis(), low.1.basis());
+    let all = (&source.eigenbasis, &target.eigenbasis);
+    let (start, step) = match known {
+        Known::Points(points) => return Ok(points),
+        Known::Pairs { landmarks, segments } => {
+            (fitted(args, (&landmarks, segments), all, &low)?, STEP)
+        }
+        Known::Nothing => {
+            let found = searched(args, source, target)?;
+            match args.refine {
+                Refine::Zoomout => (found.map, FoundMap::STEP),
+                _ => (found.between(bases, all, par, Progress::none())?, STEP),
+            }
+        }
+    };
+    let bar = Bar::new("points");
+    let update = |fraction| bar.update(fraction);
+    let progress = Progress::new(&update);
+    let c = start.as_ref();
+    Ok(match args.refine {
+        Refine::None => points_from_map(c, bases.0, bases.1, par, progress)?,
+        Refine::Icp => icp(c, bases.0, bases.1, ITERATIONS, par, progress)?.points,
+        Refine::Zoomout => zoomout(c, all.0.basis(), all.1.basis(), step, par, progress)?.points,
+        Refine::Products => {
+            let orthogonal = Orthogonalization::Reorthogonalized;
+            let from = products(args, source, lens.0, orthogonal)?;
+            let to = products(args, target, lens.1, orthogonal)?;
+            let step = lens.0.max(lens.1);
+            zoomout(c, from.basis(), to.basis(), step, par, progress)?.points
+        }
+    })
+}
+
+/// Returns the functional map between the eigenfunctions `low` that fits what is known.
+fn fitted(
+    args: &Args,
+    (pairs, segments): (&[(u32, u32)], Option<[Vec<u32>; 2]>),
+    all: (&Eigenbasis, &Eigenbasis),
+    low: &(Eigenbasis, Eigenbasis),
+) -> Result<Mat<f64>> {
     let bar = Bar::new("map");
     let update = |fraction| bar.update(fraction);
-    let mut fit = MapFit::new(&low.0, &low.1, par).progress(&update);
-    if args.landmarks.is_some() {
-        fit.landmarks(&pairs)?;
+    let mut fit = MapFit::new(&low.0, &low.1, args.laplacian.par()).progress(&update);
+    if !pairs.is_empty() {
+        fit.landmarks(pairs)?;
         if args.operators {
-            let f = around(&source.eigenbasis, pairs.iter().map(|pair| pair.0))?;
-            let g = around(&target.eigenbasis, pairs.iter().map(|pair| pair.1))?;
-            fit.operators(f.as_ref(), g.as_ref(), MapFit::MULTIPLICATIONS)?;
+            fit.kernels(pairs, all.0, all.1)?;
         }
     }
     if let Some(labels) = segments {
@@ -430,38 +470,39 @@ fn correspondence(
             fit.operators(f.as_ref(), g.as_ref(), MapFit::MULTIPLICATIONS)?;
         }
     }
-    let [f, g] = signatures(&low.0, &low.1, par)?;
-    fit.functions(f.as_ref(), g.as_ref())?;
-    let c = fit.solve(MapFit::COMMUTATIVITY)?;
-    drop(bar);
-    let bar = Bar::new("points");
-    let update = |fraction| bar.update(fraction);
-    let progress = Progress::new(&update);
-    let bases = (low.0.basis(), low.1.basis());
-    Ok(match args.refine {
-        Refine::None => points_from_map(c.as_ref(), bases.0, bases.1, par, progress)?,
-        Refine::Icp => icp(c.as_ref(), bases.0, bases.1, ITERATIONS, par, progress)?.points,
-        Refine::Zoomout => {
-            let (source, target) = (source.eigenbasis.basis(), target.eigenbasis.basis());
-            zoomout(c.as_ref(), source, target, 1, par, progress)?.points
-        }
-        Refine::Products => {
-            let orthogonal = Orthogonalization::Reorthogonalized;
-            let from = products(args, source, lens.0, orthogonal)?;
-            let to = products(args, target, lens.1, orthogonal)?;
-            let step = lens.0.max(lens.1);
-            zoomout(c.as_ref(), from.basis(), to.basis(), step, par, progress)?.points
-        }
-    })
+    fit.signatures(all.0, all.1).context("signatures (raise -k)")?;
+    Ok(fit.solve(MapFit::COMMUTATIVITY)?)
 }
 
-/// Returns heat kernels around vertices, without a unit.
-fn around(basis: &Eigenbasis, vertices: impl Iterator<Item = u32>) -> Result<Mat<f64>> {
-    let area = basis.basis().area()?;
-    let kernel =
-        |v: u32| heat_kernel(basis.values(), basis.functions(), v as usize, KERNEL_TIME * area);
-    let kernels: Vec<Vec<f64>> = vertices.map(kernel).collect::<catamaran::Result<_>>()?;
-    Ok(Mat::from_fn(basis.basis().vertices(), kernels.len(), |x, j| area * kernels[j][x]))
+/// Returns a functional map that is found without known correspondences.
+fn searched(args: &Args, source: &Shape, target: &Shape) -> Result<FoundMap> {
+    let bar = Bar::new("search");
+    let update = |fraction| bar.update(fraction);
+    let found = search_map(
+        (&source.file.mesh, &source.eigenbasis),
+        (&target.file.mesh, &target.eigenbasis),
+        args.laplacian.par(),
+        Progress::new(&update),
+    )
+    .context("no correspondence is known, and the search for one fails")?;
+    drop(bar);
+    let (defect, orientation) = (found.commutativity, found.orientation);
+    let next = found.next.map(|next| format!(", next {next:.4}")).unwrap_or_default();
+    report!(
+        "map",
+        commutativity = defect,
+        next = found.next,
+        orientation = orientation;
+        "found by a search: commutes with the Laplacians up to {defect:.4}{next}; orientation \
+         {orientation:.2}"
+    )?;
+    if found.is_ambiguous() {
+        note(format_args!(
+            "another map fits as well, or none keeps left and right apart: check the result, or \
+             give --landmarks"
+        ));
+    }
+    Ok(found)
 }
 
 /// Returns the indicators of the segments, which are on both meshes.
@@ -473,19 +514,4 @@ fn indicators(labels: &[Vec<u32>; 2]) -> [Mat<f64>; 2] {
         let of = &labels[side];
         Mat::from_fn(of.len(), distinct.len(), |i, j| f64::from(u8::from(of[i] == distinct[j])))
     })
-}
-
-/// Returns the wave kernel signatures of both meshes, scaled to area 1.
-fn signatures(source: &Eigenbasis, target: &Eigenbasis, par: Par) -> Result<[Mat<f64>; 2]> {
-    let normalized = |basis: &Eigenbasis| -> Result<(Vec<f64>, Mat<f64>)> {
-        let area = basis.basis().area()?;
-        let values = basis.values().iter().map(|value| value * area).collect();
-        Ok((values, Scale(area.sqrt()) * basis.functions()))
-    };
-    let (source, target) = (normalized(source)?, normalized(target)?);
-    let scales = wave_scales(&source.0, SIGNATURES).context("wave kernel signatures (raise -k)")?;
-    let signature = |(values, vectors): &(Vec<f64>, Mat<f64>)| {
-        wave_kernel_signature(values, vectors.as_ref(), &scales, par)
-    };
-    Ok([signature(&source)?, signature(&target)?])
 }

@@ -99,6 +99,17 @@ fn coordinates_are_transferred_along_points_and_landmarks() {
     for how in ["none", "icp"] {
         folder.succeed(&format!("{common} --landmarks pairs.txt --refine {how} -o {how}.csv"));
     }
+    // Without a correspondence, a search finds the same points.
+    let searched = format!("{common} --zoom 40 -o searched.npy --points-output searched.txt");
+    let said = folder.succeed(&searched);
+    assert!(said.contains("map         found by a search"), "{said}");
+    let searched = std::fs::read_to_string(folder.path("searched.txt")).unwrap();
+    assert!(searched.lines().map(|line| line.parse::<u32>().unwrap()).eq(points.iter().copied()));
+    for how in ["none", "icp", "products"] {
+        folder.succeed(&format!("{common} --refine {how} -o searched_{how}.csv"));
+    }
+    let refusal = folder.fail(&format!("{common} --operators -o never.csv"));
+    assert!(refusal.contains("--operators is for --landmarks and --segments only"), "{refusal}");
     folder.succeed(
         "transfer source.ply source.ply --functions xyz.npy --identity -k 5 --order 1 -o same.npy",
     );

@@ -5,8 +5,9 @@ use std::ops::ControlFlow;
 use catamaran::base::Progress;
 use catamaran::faer::{Mat, MatRef};
 use catamaran::{Error, Par};
+use catamaran_geometry::mesh::{TriMesh, families};
 use catamaran_geometry::spectral::functional_map::{
-    MapFit, icp, map_from_points, points_from_map, pull_back, zoomout,
+    MapFit, icp, map_from_points, points_from_map, pull_back, search_map, zoomout,
 };
 use catamaran_geometry::spectral::{
     Eigenbasis, Orthogonalization, ProductBasis, ProductBasisOptions,
@@ -269,4 +270,89 @@ fn dirty_input_is_refused_by_name_and_refinement_can_be_cancelled() {
     let stopped =
         zoomout(c.get(..2, ..2), eigen.basis(), eigen.basis(), 1, Par::Seq, (&cancel).into());
     assert_eq!(stopped.unwrap_err(), Error::Cancelled);
+}
+
+/// Returns the same surface seen from inside.
+fn inside_out(mesh: &TriMesh) -> TriMesh {
+    let faces = mesh.faces().iter().map(|&[a, b, c]| [a, c, b]).collect();
+    TriMesh::new(mesh.vertices().to_vec(), faces).unwrap()
+}
+
+#[test]
+fn a_map_is_found_without_correspondences_also_inside_out() {
+    let mesh = blob(3);
+    let (other, points) = shuffled(&mesh, 2.5);
+    let (source, target) = (eigenbasis(&mesh, 45), eigenbasis(&other, 45));
+    let exact = map_from_points(&points, source.basis(), target.basis(), Par::Seq).unwrap();
+    let search = |other: &TriMesh, par: Par| {
+        search_map((&mesh, &source), (other, &target), par, Progress::none()).unwrap()
+    };
+    let found = search(&other, Par::Seq);
+    assert!(found.orientation > 0.95 && !found.is_ambiguous(), "{found:?}");
+    assert_eq!(found.map.shape(), (40, 40));
+    // Samples of one mesh are not those of the other.
+    let first = exact.as_ref().submatrix(0, 0, 10, 10);
+    assert!(distance(found.map.as_ref().submatrix(0, 0, 10, 10), first) < 0.2 * 2.5);
+    let refined =
+        zoomout(found.map.as_ref(), source.basis(), target.basis(), 5, Par::Seq, Progress::none());
+    assert_eq!(refined.unwrap().points, points);
+    for par in THREADS {
+        let again = search(&other, par);
+        assert_eq!(bits(again.map.as_ref()), bits(found.map.as_ref()));
+    }
+    assert_eq!(search(&inside_out(&other), Par::Seq).map, found.map);
+    let low = (source.truncated(8).unwrap(), target.truncated(12).unwrap());
+    let bases = (low.0.basis(), low.1.basis());
+    let c = found.between(bases, (&source, &target), Par::Seq, Progress::none()).unwrap();
+    let expected = map_from_points(&points, bases.0, bases.1, Par::Seq).unwrap();
+    assert!(distance(c.as_ref(), expected.as_ref()) < 0.1 * 2.5);
+}
+
+#[test]
+fn a_mirrored_mesh_and_a_symmetric_one_are_ambiguous() {
+    let mesh = blob(3);
+    let reflected = mesh.vertices().iter().map(|&[x, y, z]| [-x, y, z]).collect();
+    let mirrored = inside_out(&TriMesh::new(reflected, mesh.faces().to_vec()).unwrap());
+    let (source, target) = (eigenbasis(&mesh, 40), eigenbasis(&mirrored, 40));
+    let search = |a: (&TriMesh, &Eigenbasis), b: (&TriMesh, &Eigenbasis)| {
+        search_map(a, b, Par::Seq, Progress::none()).unwrap()
+    };
+    // The exact map turns the surface over.
+    let found = search((&mesh, &source), (&mirrored, &target));
+    assert!(found.commutativity > 0.02 || found.is_ambiguous(), "{found:?}");
+    // A half turn takes the figure to itself, and keeps the orientation.
+    let figure = families::figure(3, 0.0).unwrap();
+    let basis = eigenbasis(&figure, 40);
+    let found = search((&figure, &basis), (&figure, &basis));
+    assert!(found.is_ambiguous() && found.orientation > 0.9, "{found:?}");
+}
+
+#[test]
+fn a_search_refuses_too_few_functions_and_other_meshes() {
+    let mesh = blob(2);
+    let (few, basis) = (eigenbasis(&mesh, 2), eigenbasis(&mesh, 12));
+    let search = |mesh: &TriMesh, basis: &Eigenbasis| {
+        search_map((mesh, basis), (mesh, basis), Par::Seq, Progress::none())
+    };
+    assert!(matches!(search(&mesh, &few), Err(Error::Argument { what: "eigenbasis", .. })));
+    assert!(matches!(search(&blob(1), &basis), Err(Error::Shape { what: "source", .. })));
+    let stop = |_| ControlFlow::Break(());
+    let stopped = search_map((&mesh, &basis), (&mesh, &basis), Par::Seq, (&stop).into());
+    assert_eq!(stopped.unwrap_err(), Error::Cancelled);
+}
+
+#[test]
+fn more_signatures_than_functions_determine_a_map_of_any_size() {
+    let (source, target, points) = pair(40);
+    let low = (source.truncated(12).unwrap(), target.truncated(12).unwrap());
+    let exact = map_from_points(&points, low.0.basis(), low.1.basis(), Par::Seq).unwrap();
+    let mut fit = MapFit::new(&low.0, &low.1, Par::Seq);
+    fit.signatures(&source, &target).unwrap();
+    let c = fit.solve(MapFit::COMMUTATIVITY).unwrap();
+    assert!(distance(c.as_ref(), exact.as_ref()) < 1e-2 * exact.norm_max());
+    fit.kernels(&landmarks(&points), &source, &target).unwrap();
+    let c = fit.solve(MapFit::COMMUTATIVITY).unwrap();
+    assert!(distance(c.as_ref(), exact.as_ref()) < 1e-3 * exact.norm_max());
+    let other = eigenbasis(&blob(2), 12);
+    assert!(matches!(fit.signatures(&other, &target), Err(Error::Shape { what: "source", .. })));
 }
