@@ -7,14 +7,16 @@ use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran::faer::Mat;
 use catamaran::io::{self as files, Output};
+use catamaran_geometry::decimate::{DecimateOptions, decimate};
+use catamaran_geometry::mesh::TriMesh;
 use catamaran_geometry::mesh::io::{self as meshes, MeshFile};
 use catamaran_geometry::spectral::coordinates;
 use catamaran_geometry::spectral::functional_map::{
     FoundMap, MapFit, icp, map_from_points, points_from_map, pull_back, search_map, zoomout,
 };
 use catamaran_geometry::spectral::{
-    Eigenbasis, Orthogonalization, ProductBasis, ProductBasisOptions, Transfer, relative_errors,
-    transfer_details,
+    Eigenbasis, Lift, Orthogonalization, ProductBasis, ProductBasisOptions, Transfer,
+    relative_errors, transfer_details,
 };
 use clap::{ArgGroup, ValueEnum};
 
@@ -26,7 +28,7 @@ use crate::picture::{PLAIN, Paint, PictureArgs, first_column};
 use crate::pieces::Need;
 use crate::progress::Bar;
 use crate::report::{note, report, status};
-use crate::shape::{self, LaplacianArgs, Mode, Shape, column};
+use crate::shape::{self, LaplacianArgs, Mode, Prepared, Shape, column};
 use crate::tables::TableArgs;
 
 /// Returns the help of --output.
@@ -126,6 +128,15 @@ pub struct Args {
         help = stated("Number of eigenfunctions that --refine zoomout ends with, at least -k", ZOOM)
     )]
     zoom: Option<usize>,
+    /// Decimate both meshes to this number of vertices, transfer between the decimations, and
+    /// interpolate: for meshes of a million vertices.
+    #[arg(
+        long,
+        value_name = "VERTICES",
+        value_parser = at_least_one,
+        conflicts_with_all = ["identity", "points", "details"]
+    )]
+    via_decimation: Option<usize>,
     /// Number of eigenfunctions of the source to multiply, without the constant one.
     #[arg(short, value_name = "K", default_value_t = 30, value_parser = at_least_one)]
     k: usize,
@@ -210,15 +221,21 @@ pub fn run(args: &Args) -> Result<()> {
     let par = args.laplacian.par();
     let lens = (args.k.saturating_add(1), args.target_k.unwrap_or(args.k).saturating_add(1));
     let of_target = if args.target_k.is_some() { "--target-k" } else { "-k" };
-    let source = args.laplacian.prepare(&args.source, &needs(args, "-k", lens.0))?;
-    let target = args.laplacian.prepare(&args.target, &needs(args, of_target, lens.1))?;
+    let (source, from) = prepare(args, &args.source, &needs(args, "-k", lens.0))?;
+    let (target, to) = prepare(args, &args.target, &needs(args, of_target, lens.1))?;
+    let full = |fine: &Option<Fine>, shape: &Prepared<'_>| {
+        fine.as_ref().map_or(shape.vertices(), |fine| fine.mesh.vertices().len())
+    };
+    let counts = [full(&from, &source), full(&to, &target)];
     source.products(lens.0 - 1, args.order)?;
     target.products(lens.1 - 1, args.order)?;
     let f = match &args.functions {
-        Some(path) => shape::functions(path, source.vertices(), &args.table)?,
+        Some(path) => shape::functions(path, counts[0], &args.table)?,
         None => coordinates(&source.file.mesh),
     };
-    let known = Known::read(args, source.vertices(), target.vertices())?;
+    let known = Known::read(args, counts[0], counts[1])?.on_decimations(&from, &to);
+    let coarse = from.as_ref().map(|fine| fine.lift.restrict(f.as_ref())).transpose()?;
+    let f_near = coarse.as_ref().unwrap_or(&f);
     let (source, target) = (source.solve()?, target.solve()?);
 
     let points = correspondence(args, known, &source, &target, lens)?;
@@ -232,8 +249,8 @@ pub fn run(args: &Args) -> Result<()> {
     let g = match args.details {
         Some(Details::Heights) => with_heights(args, &source, &target, &transfer)?,
         _ => {
-            let g = transfer.apply(f.as_ref(), par)?;
-            let moved = pull_back(&points, f.as_ref())?;
+            let g = transfer.apply(f_near.as_ref(), par)?;
+            let moved = pull_back(&points, f_near.as_ref())?;
             let errors = relative_errors(moved.as_ref(), g.as_ref(), to.basis().mass())?;
             let mean = 100.0 * errors.iter().sum::<f64>() / errors.len().max(1) as f64;
             report!(
@@ -244,18 +261,31 @@ pub fn run(args: &Args) -> Result<()> {
                 "{} functions, on average {mean:.2} % from the values at corresponding vertices",
                 errors.len()
             )?;
-            g
+            match &to {
+                Some(fine) => fine.lift.prolong(g.as_ref())?,
+                None => g,
+            }
         }
     };
     if let Some(output) = points_output {
         let path = output.path().display().to_string();
+        let points = match (&from, &to) {
+            (None, None) => points,
+            _ => lifted_points(&points, &from, &to)?,
+        };
         files::write_integers(output, column(&points).as_ref())?;
         status!("written", path = path; "{path}")?;
     }
     let path = output.path().to_owned();
     match args.details {
         Some(_) => write_mesh(args, (output, picture), &source, target.file, &g)?,
-        None => write_functions(args, (output, picture), (&source, &f), (&target, &g))?,
+        None => {
+            let meshes = (
+                from.as_ref().map_or(&source.file.mesh, |fine| &fine.mesh),
+                to.as_ref().map_or(&target.file.mesh, |fine| &fine.mesh),
+            );
+            write_functions(args, (output, picture), (meshes.0, &f), (meshes.1, &g))?;
+        }
     }
     let path = path.display().to_string();
     status!("written", path = path; "{path}")
@@ -264,15 +294,13 @@ pub fn run(args: &Args) -> Result<()> {
 fn write_functions(
     args: &Args,
     (output, picture): (Output, Option<Output>),
-    (source, f): (&Shape, &Mat<f64>),
-    (target, g): (&Shape, &Mat<f64>),
+    (source, f): (&TriMesh, &Mat<f64>),
+    (target, g): (&TriMesh, &Mat<f64>),
 ) -> Result<()> {
     if let Some(picture) = picture {
         let [before, after] = [f, g].map(first_column);
-        let panels = [
-            (&source.file.mesh, Paint::Values(&before), "source"),
-            (&target.file.mesh, Paint::Values(&after), "target"),
-        ];
+        let panels =
+            [(source, Paint::Values(&before), "source"), (target, Paint::Values(&after), "target")];
         args.picture.draw(picture, &args.source, &panels)?;
     }
     Ok(files::write(output, g.as_ref())?)
@@ -297,6 +325,57 @@ fn write_mesh(
         args.picture.draw(picture, &args.source, &panels)?;
     }
     Ok(output::mesh(output, &moved)?)
+}
+
+/// A mesh that is represented by its decimation.
+struct Fine {
+    mesh: TriMesh,
+    lift: Lift,
+}
+
+/// Reads a mesh; with --via-decimation, prepares its decimation, unless it has few vertices.
+fn prepare<'a>(
+    args: &'a Args,
+    path: &'a Path,
+    needs: &[Need],
+) -> Result<(Prepared<'a>, Option<Fine>)> {
+    let Some(n) = args.via_decimation else {
+        return Ok((args.laplacian.prepare(path, needs)?, None));
+    };
+    let file = args.laplacian.repair.read(path)?;
+    shape::has_faces(&file.mesh, path)?;
+    let (vertices, named) = (file.mesh.vertices().len(), path.display().to_string());
+    if vertices <= n {
+        return Ok((args.laplacian.prepare_file(file, path, needs)?, None));
+    }
+    let bar = Bar::new("decimation");
+    let update = |fraction| bar.update(fraction);
+    let options = DecimateOptions::new().par(args.laplacian.par()).progress(&update);
+    let found = decimate(&file.mesh, n, &options).with_context(|| named.clone())?;
+    let lift =
+        Lift::new(&file.mesh, &found, args.laplacian.par()).with_context(|| named.clone())?;
+    drop(bar);
+    status!(
+        "decimation",
+        path = named,
+        vertices = vertices,
+        to = n;
+        "{named}: {vertices} vertices, represented by {n}"
+    )?;
+    let coarse = args.laplacian.prepare_file(found.mesh.into(), path, needs)?;
+    Ok((coarse, Some(Fine { mesh: file.mesh, lift })))
+}
+
+/// Returns the vertex of the source for each vertex of the target, of meshes of which one or both
+/// are represented by decimations with these points.
+fn lifted_points(points: &[u32], source: &Option<Fine>, target: &Option<Fine>) -> Result<Vec<u32>> {
+    let corners = source.as_ref().map(|fine| fine.lift.corners());
+    let on_source = |&x: &u32| corners.as_ref().map_or(x, |corners| corners[x as usize]);
+    let points: Vec<u32> = points.iter().map(on_source).collect();
+    Ok(match target {
+        Some(fine) => fine.lift.nearest().iter().map(|&y| points[y as usize]).collect(),
+        None => points,
+    })
 }
 
 /// Returns the eigenfunctions that the transfer of `len` functions, which `option` sets, needs.
@@ -401,6 +480,31 @@ impl Known {
             _ => None,
         };
         Ok(Self::Pairs { landmarks, segments })
+    }
+}
+
+impl Known {
+    /// Returns what is known on the decimations of the meshes.
+    fn on_decimations(self, source: &Option<Fine>, target: &Option<Fine>) -> Self {
+        let near = |fine: &Option<Fine>, v: u32| {
+            fine.as_ref().map_or(v, |fine| fine.lift.nearest()[v as usize])
+        };
+        let labels = |fine: &Option<Fine>, labels: Vec<u32>| match fine {
+            Some(fine) => fine.lift.corners().iter().map(|&v| labels[v as usize]).collect(),
+            None => labels,
+        };
+        match self {
+            Self::Pairs { landmarks, segments } => Self::Pairs {
+                landmarks: landmarks
+                    .iter()
+                    .map(|&(v, w)| (near(source, v), near(target, w)))
+                    .collect(),
+                segments: segments.map(|[a, b]| [labels(source, a), labels(target, b)]),
+            },
+            // Not together with --via-decimation.
+            Self::Points(points) => Self::Points(points),
+            Self::Nothing => Self::Nothing,
+        }
     }
 }
 

@@ -32,7 +32,7 @@ pub(super) struct Embedding {
     /// Samples x functions.
     source: Mat<f64>,
     target: Mat<f64>,
-    /// For each number k of functions, the matrix (k x samples) that takes values at samples of the
+    /// For each number k of functions, from 1, the matrix (k x samples) that takes values at samples of the
     /// target to coefficients of its first k functions, by least squares.
     inverses: Vec<Mat<f64>>,
 }
@@ -64,7 +64,7 @@ impl Embedding {
             dense::solve_cholesky(factor.as_ref(), inverse.as_mut());
             Ok(inverse)
         };
-        let inverses = (0..=len).map(inverse).collect::<Result<_>>()?;
+        let inverses = (1..=len).map(inverse).collect::<Result<_>>()?;
         Ok(Self { source, target, inverses })
     }
 
@@ -77,7 +77,7 @@ impl Embedding {
             let last = c.nrows() >= len;
             let k = if last { c.nrows() } else { (c.nrows() + step).min(len) };
             let pulled = Mat::from_fn(points.len(), k, |y, j| self.source[(points[y] as usize, j)]);
-            c = dense::product(self.inverses[k].as_ref(), pulled.as_ref(), Par::Seq)?;
+            c = dense::product(self.inverses[k - 1].as_ref(), pulled.as_ref(), Par::Seq)?;
             if last {
                 return Ok((c, points));
             }

@@ -41,20 +41,17 @@ impl Rings {
     /// Computes for each vertex (row) and each pair of the functions f and g (column) that have
     /// these values, the mean of `n . (grad f x grad g)` over the faces around the vertex.
     pub fn turns(&self, value: impl Fn(u32) -> [f64; TURNING]) -> Mat<f64> {
-        let mut turns = Mat::zeros(self.rings.len(), TURNING * (TURNING - 1) / 2);
+        let pairs = || (0..TURNING).flat_map(|i| (i + 1..TURNING).map(move |j| (i, j)));
+        let mut turns = Mat::zeros(self.rings.len(), pairs().count());
         for (s, (faces, area)) in self.rings.iter().enumerate() {
             if *area <= 0.0 {
                 continue;
             }
             for &face in faces {
                 let [p, q, r] = face.map(&value);
-                let mut pair = 0;
-                for i in 0..TURNING {
-                    for j in i + 1..TURNING {
-                        let twice = (q[i] - p[i]) * (r[j] - p[j]) - (r[i] - p[i]) * (q[j] - p[j]);
-                        turns[(s, pair)] += self.sign * twice / area;
-                        pair += 1;
-                    }
+                for (pair, (i, j)) in pairs().enumerate() {
+                    let twice = (q[i] - p[i]) * (r[j] - p[j]) - (r[i] - p[i]) * (q[j] - p[j]);
+                    turns[(s, pair)] += self.sign * twice / area;
                 }
             }
         }

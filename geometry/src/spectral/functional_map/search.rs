@@ -88,8 +88,8 @@ impl FoundMap {
     /// Returns whether another map fits almost as well, or none keeps the orientation, so that only
     /// known correspondences could decide.
     pub fn is_ambiguous(&self) -> bool {
-        /// Between true and next maps of FAUST: 1.03 or more.
-        const CLOSE: f64 = 1.02;
+        /// Between bodies of different people, the next map is 1.03 to 2 times as far.
+        const CLOSE: f64 = 1.1;
         self.orientation < ORIENTED
             || self.next.is_some_and(|next| next < CLOSE * self.commutativity)
     }
