@@ -125,7 +125,7 @@ fn coordinates_are_transferred_along_points_and_landmarks() {
             .sum();
         let norm: f64 =
             points.iter().map(|&x| distance(&source.vertices()[x as usize], &[0.0; 3])).sum();
-        assert!((off / norm).sqrt() < 0.15, "{}", (off / norm).sqrt());
+        assert!((off / norm).sqrt() < 0.2, "{}", (off / norm).sqrt());
     }
     let refusal = folder.fail(&format!("{common} --via-decimation 9 --identity -o never.csv"));
     assert!(refusal.contains("cannot be used with"), "{refusal}");

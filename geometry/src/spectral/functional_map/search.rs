@@ -106,7 +106,7 @@ impl FoundMap {
 /// use catamaran_geometry::prelude::*;
 /// use catamaran_geometry::mesh::families;
 ///
-/// # let mesh = families::figure(8, 0.5)?;
+/// # let mesh = families::figure(2, 0.5)?;
 /// # let operator = laplacian(&mesh, &LaplacianOptions::new())?;
 /// # let pairs = eigs(operator.stiffness.view(), &operator.mass, &EigenOptions::new().k(20))?;
 /// # let basis = Eigenbasis::new(pairs.values, pairs.vectors, operator.mass)?;
@@ -254,7 +254,7 @@ fn signed_orders(count: usize) -> Vec<Mat<f64>> {
     let exchanges = (0_u32..1 << count.saturating_sub(1)).filter(|bits| bits & (bits << 1) == 0);
     let order = |bits: u32| {
         let mut order: Vec<usize> = (0..count).collect();
-        (1..count).filter(|i| bits >> (i - 1) & 1 == 1).for_each(|i| order.swap(i - 1, i));
+        (1..count).filter(|i| (bits >> (i - 1)) & 1 == 1).for_each(|i| order.swap(i - 1, i));
         order
     };
     let signed = |order: Vec<usize>| {
@@ -262,7 +262,7 @@ fn signed_orders(count: usize) -> Vec<Mat<f64>> {
             let mut c = Mat::zeros(count + 1, count + 1);
             c[(0, 0)] = 1.0;
             for (i, &j) in order.iter().enumerate() {
-                c[(i + 1, j + 1)] = if signs >> i & 1 == 1 { -1.0 } else { 1.0 };
+                c[(i + 1, j + 1)] = if (signs >> i) & 1 == 1 { -1.0 } else { 1.0 };
             }
             c
         })
@@ -274,7 +274,7 @@ fn signed_orders(count: usize) -> Vec<Mat<f64>> {
 fn flipped(c: MatRef<'_, f64>) -> Vec<Mat<f64>> {
     let flipped = |j: usize| {
         let mut part = c.submatrix(0, 0, j + 1, j + 1).to_owned();
-        part.as_mut().row_mut(j).iter_mut().for_each(|x| *x = -*x);
+        (0..=j).for_each(|k| part[(j, k)] = -part[(j, k)]);
         part
     };
     FLIPPED.filter(|&j| j < c.nrows()).map(flipped).collect()
