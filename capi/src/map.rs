@@ -4,16 +4,17 @@ use faer::MatRef;
 
 use super::basis::{Functions, cata_basis, cata_basis_params, with_basis_options};
 use super::boundary::boundary;
-use super::outputs::fill_slice;
+use super::outputs::{fill_slice, tell};
 use super::params::flag;
 use super::pointer::{
-    Layout, free, hand_over, known, known_mut, matrix, matrix_mut, output, slice, slice_mut,
+    Layout, free, hand_over, known, known_mut, matrix, matrix_mut, mesh, output, slice, slice_mut,
 };
 use super::progress::reported;
 use super::status::{Failure, cata_status};
 use catamaran::Par;
 use catamaran_geometry::spectral::functional_map::{
-    Correspondences, MapFit, Refined, icp, map_from_points, points_from_map, zoomout,
+    Correspondences, FoundMap, MapFit, Refined, icp, map_from_points, points_from_map, search_map,
+    zoomout,
 };
 use catamaran_geometry::spectral::{
     Eigenbasis, ProductMap, transform_by_columns, transform_of_all_products,
@@ -151,6 +152,25 @@ pub unsafe extern "C" fn cata_map_fit_segments(
     })
 }
 
+/// Adds heat and wave kernel signatures: of `source` and `target`, of cata_basis_new for the same
+/// meshes, with more functions than the fit, or as many.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_map_fit_signatures(
+    fit: *mut cata_map_fit,
+    source: *const cata_basis,
+    target: *const cata_basis,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: clause `handles` (`fit`), clause `passed on` (`eigenbases`).
+        let (fit, (source, target)) =
+            unsafe { (known_mut("fit", fit)?, eigenbases(source, target)?) };
+        fit.add(|fit| fit.signatures(source, target))
+    })
+}
+
 /// Computes the map C (r_target x r_source, written) that fits best what was added and commutes
 /// with the Laplacians; `commutativity` >= 0, usually 1e-3, weighs that. It keeps the constant.
 ///
@@ -279,6 +299,77 @@ pub unsafe extern "C" fn cata_map_zoomout(
         }?;
         map.copy_from(&found.map);
         fill_slice(points, &found.points);
+        Ok(())
+    })
+}
+
+/// Searches for the map of two nearly isometric meshes of which no correspondence is known, and
+/// refines it by ZoomOut to the whole MAP (r_target x r_source, written): the one that commutes best
+/// with the Laplacians among those that keep the orientation, left and right.
+///
+/// - `source`, `target`, `points`: as in cata_map_icp; 40 functions or more are best.
+/// - `source_vertices`, `target_vertices`: 3 elements for each vertex of a basis; the faces: 3 for
+///   each.
+/// - `commutativity`: written: |C L - L' C|^2 / |L|^2 for area 1; `next`: that of the next best map,
+///   infinite without one, nearly as small where only landmarks could decide; `orientation`:
+///   written: below 0.2, no map keeps it. Each is NULL where not wanted.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_map_search(
+    source: *const cata_basis,
+    target: *const cata_basis,
+    source_vertices: *const f64,
+    n_source_faces: usize,
+    source_faces: *const u32,
+    target_vertices: *const f64,
+    n_target_faces: usize,
+    target_faces: *const u32,
+    layout: i32,
+    map: *mut f64,
+    ldmap: usize,
+    points: *mut u32,
+    commutativity: *mut f64,
+    next: *mut f64,
+    orientation: *mut f64,
+    params: *const cata_basis_params,
+) -> cata_status {
+    boundary(|| {
+        let layout = Layout::new(layout)?;
+        // SAFETY: clause `passed on` (`eigenbases`).
+        let (source, target) = unsafe { eigenbases(source, target) }?;
+        let [n, m] = [source, target].map(|eigen| eigen.basis().vertices());
+        // SAFETY: clause `memory` (the meshes, 3 numbers a vertex and 3 indices a face; `map`,
+        // `target.len()` x `source.len()`), clause `passed on` (`points_out`).
+        let (from, to, mut map, points) = unsafe {
+            let from = mesh(n, source_vertices, n_source_faces, source_faces)?;
+            let to = mesh(m, target_vertices, n_target_faces, target_faces)?;
+            let map = matrix_mut("map", layout, target.len(), source.len(), map, ldmap)?;
+            (from, to, map, points_out(points, target)?)
+        };
+        // SAFETY: clause `structs` (`params`).
+        let (found, refined) = unsafe {
+            with_basis_options(params, |options| {
+                let (par, progress) = (options.par, options.progress);
+                let searching = progress.part(0.0..0.5);
+                let found = search_map((&from, source), (&to, target), par, searching)?;
+                let (c, progress) = (found.map.as_ref(), progress.part(0.5..1.0));
+                let all = (source.basis(), target.basis());
+                let refined = zoomout(c, all.0, all.1, FoundMap::STEP, par, progress)?;
+                Ok((found, refined))
+            })
+        }?;
+        // SAFETY: clause `memory` (`commutativity`, `next`, `orientation`, one value each).
+        unsafe {
+            tell!(
+                commutativity: found.commutativity,
+                next: found.next.unwrap_or(f64::INFINITY),
+                orientation: found.orientation,
+            );
+        }
+        map.copy_from(&refined.map);
+        fill_slice(points, &refined.points);
         Ok(())
     })
 }

@@ -151,7 +151,16 @@ impl LaplacianArgs {
 
     /// Reads a mesh, and refuses one that does not have the eigenfunctions that `needs` says.
     pub fn prepare<'a>(&'a self, path: &'a Path, needs: &[Need]) -> Result<Prepared<'a>> {
-        let file = self.repair.read(path)?;
+        self.prepare_file(self.repair.read(path)?, path, needs)
+    }
+
+    /// Prepares a mesh that was read from `path`, as [`LaplacianArgs::prepare`] does.
+    pub fn prepare_file<'a>(
+        &'a self,
+        file: MeshFile,
+        path: &'a Path,
+        needs: &[Need],
+    ) -> Result<Prepared<'a>> {
         has_faces(&file.mesh, path)?;
         // The first of the largest.
         let most = needs.iter().rev().max_by_key(|need| need.len);

@@ -5,17 +5,18 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use catamaran::Par;
 use catamaran::base::Progress;
-use catamaran::faer::{Mat, Scale};
+use catamaran::faer::Mat;
 use catamaran::io::{self as files, Output};
+use catamaran_geometry::decimate::{DecimateOptions, decimate};
+use catamaran_geometry::mesh::TriMesh;
 use catamaran_geometry::mesh::io::{self as meshes, MeshFile};
 use catamaran_geometry::spectral::coordinates;
-use catamaran_geometry::spectral::descriptors::{heat_kernel, wave_kernel_signature, wave_scales};
 use catamaran_geometry::spectral::functional_map::{
-    MapFit, icp, map_from_points, points_from_map, pull_back, zoomout,
+    FoundMap, MapFit, icp, map_from_points, points_from_map, pull_back, search_map, zoomout,
 };
 use catamaran_geometry::spectral::{
-    Eigenbasis, Orthogonalization, ProductBasis, ProductBasisOptions, Transfer, relative_errors,
-    transfer_details,
+    Eigenbasis, Lift, Orthogonalization, ProductBasis, ProductBasisOptions, Transfer,
+    relative_errors, transfer_details,
 };
 use clap::{ArgGroup, ValueEnum};
 
@@ -26,8 +27,8 @@ use crate::parse::at_least_one;
 use crate::picture::{PLAIN, Paint, PictureArgs, first_column};
 use crate::pieces::Need;
 use crate::progress::Bar;
-use crate::report::{report, status};
-use crate::shape::{self, LaplacianArgs, Mode, Shape, column};
+use crate::report::{note, report, status};
+use crate::shape::{self, LaplacianArgs, Mode, Prepared, Shape, column};
 use crate::tables::TableArgs;
 
 /// Returns the help of --output.
@@ -48,25 +49,22 @@ const ZOOM: usize = 100;
 /// The default of --smooth-functions.
 const SMOOTH: usize = 20;
 
-/// The time of heat kernels that --operators multiplies by, as a part of the area.
-const KERNEL_TIME: f64 = 1e-2;
-
-/// The number of wave kernel signatures that the functional map is fitted to.
-const SIGNATURES: usize = 50;
+/// Number of eigenfunctions that --refine zoomout adds at a time to the map of landmarks or
+/// segments.
+const STEP: usize = 1;
 
 /// Transfer functions, or the shape itself, from one mesh to another.
 ///
 /// Functions are written as sums of orthogonalized products of eigenfunctions.
 ///
-/// The correspondence of vertices is given, or computed from a few landmarks or from segments: a
-/// functional map is fitted to these and to wave kernel signatures, and refined; the vertices
-/// nearest under the map correspond.
+/// The correspondence of vertices is given, or computed: a functional map is fitted to landmarks or
+/// segments and to heat and wave kernel signatures; without any of these, it is searched for, among
+/// maps that keep left and right. It is refined, and the vertices nearest under it correspond.
 #[derive(clap::Args)]
 #[command(
     group = ArgGroup::new("what").args(["functions", "details"]).required(true),
     group = ArgGroup::new("correspondence")
         .args(["identity", "points", "landmarks", "segments"])
-        .required(true)
         .multiple(true)
 )]
 pub struct Args {
@@ -114,7 +112,7 @@ pub struct Args {
     /// and by the indicators of segments. Slower, but needs fewer landmarks and segments.
     #[arg(long, conflicts_with_all = ["identity", "points"])]
     operators: bool,
-    /// Refinement of the functional map of landmarks or segments.
+    /// Refinement of the functional map, unless the correspondence is given.
     #[arg(
         long,
         value_name = "HOW",
@@ -130,6 +128,15 @@ pub struct Args {
         help = stated("Number of eigenfunctions that --refine zoomout ends with, at least -k", ZOOM)
     )]
     zoom: Option<usize>,
+    /// Decimate both meshes to this number of vertices, transfer between the decimations, and
+    /// interpolate: for meshes of a million vertices.
+    #[arg(
+        long,
+        value_name = "VERTICES",
+        value_parser = at_least_one,
+        conflicts_with_all = ["identity", "points", "details"]
+    )]
+    via_decimation: Option<usize>,
     /// Number of eigenfunctions of the source to multiply, without the constant one.
     #[arg(short, value_name = "K", default_value_t = 30, value_parser = at_least_one)]
     k: usize,
@@ -188,6 +195,9 @@ pub fn run(args: &Args) -> Result<()> {
     if args.smooth_functions.is_some() && args.details != Some(Details::Heights) {
         bail!("--smooth-functions is for --details heights only");
     }
+    if args.operators && args.landmarks.is_none() && args.segments.is_none() {
+        bail!("--operators is for --landmarks and --segments only");
+    }
     let of_bases = args.k.max(args.target_k.unwrap_or(args.k));
     if let Some(zoom) = args.zoom
         && zoom < of_bases
@@ -211,15 +221,21 @@ pub fn run(args: &Args) -> Result<()> {
     let par = args.laplacian.par();
     let lens = (args.k.saturating_add(1), args.target_k.unwrap_or(args.k).saturating_add(1));
     let of_target = if args.target_k.is_some() { "--target-k" } else { "-k" };
-    let source = args.laplacian.prepare(&args.source, &needs(args, "-k", lens.0))?;
-    let target = args.laplacian.prepare(&args.target, &needs(args, of_target, lens.1))?;
+    let (source, from) = prepare(args, &args.source, &needs(args, "-k", lens.0))?;
+    let (target, to) = prepare(args, &args.target, &needs(args, of_target, lens.1))?;
+    let full = |fine: &Option<Fine>, shape: &Prepared<'_>| {
+        fine.as_ref().map_or(shape.vertices(), |fine| fine.mesh.vertices().len())
+    };
+    let counts = [full(&from, &source), full(&to, &target)];
     source.products(lens.0 - 1, args.order)?;
     target.products(lens.1 - 1, args.order)?;
     let f = match &args.functions {
-        Some(path) => shape::functions(path, source.vertices(), &args.table)?,
+        Some(path) => shape::functions(path, counts[0], &args.table)?,
         None => coordinates(&source.file.mesh),
     };
-    let known = Known::read(args, source.vertices(), target.vertices())?;
+    let known = Known::read(args, counts[0], counts[1])?.on_decimations(&from, &to);
+    let coarse = from.as_ref().map(|fine| fine.lift.restrict(f.as_ref())).transpose()?;
+    let f_near = coarse.as_ref().unwrap_or(&f);
     let (source, target) = (source.solve()?, target.solve()?);
 
     let points = correspondence(args, known, &source, &target, lens)?;
@@ -233,8 +249,8 @@ pub fn run(args: &Args) -> Result<()> {
     let g = match args.details {
         Some(Details::Heights) => with_heights(args, &source, &target, &transfer)?,
         _ => {
-            let g = transfer.apply(f.as_ref(), par)?;
-            let moved = pull_back(&points, f.as_ref())?;
+            let g = transfer.apply(f_near.as_ref(), par)?;
+            let moved = pull_back(&points, f_near.as_ref())?;
             let errors = relative_errors(moved.as_ref(), g.as_ref(), to.basis().mass())?;
             let mean = 100.0 * errors.iter().sum::<f64>() / errors.len().max(1) as f64;
             report!(
@@ -245,18 +261,31 @@ pub fn run(args: &Args) -> Result<()> {
                 "{} functions, on average {mean:.2} % from the values at corresponding vertices",
                 errors.len()
             )?;
-            g
+            match &to {
+                Some(fine) => fine.lift.prolong(g.as_ref())?,
+                None => g,
+            }
         }
     };
     if let Some(output) = points_output {
         let path = output.path().display().to_string();
+        let points = match (&from, &to) {
+            (None, None) => points,
+            _ => lifted_points(&points, &from, &to)?,
+        };
         files::write_integers(output, column(&points).as_ref())?;
         status!("written", path = path; "{path}")?;
     }
     let path = output.path().to_owned();
     match args.details {
         Some(_) => write_mesh(args, (output, picture), &source, target.file, &g)?,
-        None => write_functions(args, (output, picture), (&source, &f), (&target, &g))?,
+        None => {
+            let meshes = (
+                from.as_ref().map_or(&source.file.mesh, |fine| &fine.mesh),
+                to.as_ref().map_or(&target.file.mesh, |fine| &fine.mesh),
+            );
+            write_functions(args, (output, picture), (meshes.0, &f), (meshes.1, &g))?;
+        }
     }
     let path = path.display().to_string();
     status!("written", path = path; "{path}")
@@ -265,15 +294,13 @@ pub fn run(args: &Args) -> Result<()> {
 fn write_functions(
     args: &Args,
     (output, picture): (Output, Option<Output>),
-    (source, f): (&Shape, &Mat<f64>),
-    (target, g): (&Shape, &Mat<f64>),
+    (source, f): (&TriMesh, &Mat<f64>),
+    (target, g): (&TriMesh, &Mat<f64>),
 ) -> Result<()> {
     if let Some(picture) = picture {
         let [before, after] = [f, g].map(first_column);
-        let panels = [
-            (&source.file.mesh, Paint::Values(&before), "source"),
-            (&target.file.mesh, Paint::Values(&after), "target"),
-        ];
+        let panels =
+            [(source, Paint::Values(&before), "source"), (target, Paint::Values(&after), "target")];
         args.picture.draw(picture, &args.source, &panels)?;
     }
     Ok(files::write(output, g.as_ref())?)
@@ -300,12 +327,63 @@ fn write_mesh(
     Ok(output::mesh(output, &moved)?)
 }
 
+/// A mesh that is represented by its decimation.
+struct Fine {
+    mesh: TriMesh,
+    lift: Lift,
+}
+
+/// Reads a mesh; with --via-decimation, prepares its decimation, unless it has few vertices.
+fn prepare<'a>(
+    args: &'a Args,
+    path: &'a Path,
+    needs: &[Need],
+) -> Result<(Prepared<'a>, Option<Fine>)> {
+    let Some(n) = args.via_decimation else {
+        return Ok((args.laplacian.prepare(path, needs)?, None));
+    };
+    let file = args.laplacian.repair.read(path)?;
+    shape::has_faces(&file.mesh, path)?;
+    let (vertices, named) = (file.mesh.vertices().len(), path.display().to_string());
+    if vertices <= n {
+        return Ok((args.laplacian.prepare_file(file, path, needs)?, None));
+    }
+    let bar = Bar::new("decimation");
+    let update = |fraction| bar.update(fraction);
+    let options = DecimateOptions::new().par(args.laplacian.par()).progress(&update);
+    let found = decimate(&file.mesh, n, &options).with_context(|| named.clone())?;
+    let lift =
+        Lift::new(&file.mesh, &found, args.laplacian.par()).with_context(|| named.clone())?;
+    drop(bar);
+    status!(
+        "decimation",
+        path = named,
+        vertices = vertices,
+        to = n;
+        "{named}: {vertices} vertices, represented by {n}"
+    )?;
+    let coarse = args.laplacian.prepare_file(found.mesh.into(), path, needs)?;
+    Ok((coarse, Some(Fine { mesh: file.mesh, lift })))
+}
+
+/// Returns the vertex of the source for each vertex of the target, of meshes of which one or both
+/// are represented by decimations with these points.
+fn lifted_points(points: &[u32], source: &Option<Fine>, target: &Option<Fine>) -> Result<Vec<u32>> {
+    let corners = source.as_ref().map(|fine| fine.lift.corners());
+    let on_source = |&x: &u32| corners.as_ref().map_or(x, |corners| corners[x as usize]);
+    let points: Vec<u32> = points.iter().map(on_source).collect();
+    Ok(match target {
+        Some(fine) => fine.lift.nearest().iter().map(|&y| points[y as usize]).collect(),
+        None => points,
+    })
+}
+
 /// Returns the eigenfunctions that the transfer of `len` functions, which `option` sets, needs.
 fn needs(args: &Args, option: &'static str, len: usize) -> Vec<Need> {
-    let is_fitted = args.landmarks.is_some() || args.segments.is_some();
+    let is_computed = !args.identity && args.points.is_none();
     // Wave kernel signatures range between two different eigenvalues.
-    let mut needs = vec![Need { option, len, positive: if is_fitted { 2 } else { 0 } }];
-    if is_fitted && args.refine == Refine::Zoomout {
+    let mut needs = vec![Need { option, len, positive: if is_computed { 2 } else { 0 } }];
+    if is_computed && args.refine == Refine::Zoomout {
         // Refinement may use more eigenfunctions than the transfer, and uses no fewer.
         needs.push(Need { option: "--zoom", len: args.zoom.unwrap_or(ZOOM).max(len), positive: 0 });
     }
@@ -360,7 +438,11 @@ enum Known {
     /// The vertex of the source for each vertex of the target.
     Points(Vec<u32>),
     /// Pairs of vertices of source and target, and the labels of both.
-    Pairs { landmarks: Vec<(u32, u32)>, segments: Option<[Vec<u32>; 2]> },
+    Pairs {
+        landmarks: Vec<(u32, u32)>,
+        segments: Option<[Vec<u32>; 2]>,
+    },
+    Nothing,
 }
 
 impl Known {
@@ -378,6 +460,9 @@ impl Known {
                 bail!("--identity needs meshes with equal numbers of vertices, not {n} and {m}");
             }
             return Ok(Self::Points((0..m as u32).collect()));
+        }
+        if args.landmarks.is_none() && args.segments.is_none() {
+            return Ok(Self::Nothing);
         }
         let landmarks = match &args.landmarks {
             Some(path) => shape::vertices(path, &[n, m], &args.table)?,
@@ -398,6 +483,31 @@ impl Known {
     }
 }
 
+impl Known {
+    /// Returns what is known on the decimations of the meshes.
+    fn on_decimations(self, source: &Option<Fine>, target: &Option<Fine>) -> Self {
+        let near = |fine: &Option<Fine>, v: u32| {
+            fine.as_ref().map_or(v, |fine| fine.lift.nearest()[v as usize])
+        };
+        let labels = |fine: &Option<Fine>, labels: Vec<u32>| match fine {
+            Some(fine) => fine.lift.corners().iter().map(|&v| labels[v as usize]).collect(),
+            None => labels,
+        };
+        match self {
+            Self::Pairs { landmarks, segments } => Self::Pairs {
+                landmarks: landmarks
+                    .iter()
+                    .map(|&(v, w)| (near(source, v), near(target, w)))
+                    .collect(),
+                segments: segments.map(|[a, b]| [labels(source, a), labels(target, b)]),
+            },
+            // Not together with --via-decimation.
+            Self::Points(points) => Self::Points(points),
+            Self::Nothing => Self::Nothing,
+        }
+    }
+}
+
 /// Returns the vertex of the source for each vertex of the target.
 fn correspondence(
     args: &Args,
@@ -406,21 +516,55 @@ fn correspondence(
     target: &Shape,
     lens: (usize, usize),
 ) -> Result<Vec<u32>> {
-    let (pairs, segments) = match known {
-        Known::Points(points) => return Ok(points),
-        Known::Pairs { landmarks, segments } => (landmarks, segments),
-    };
     let par = args.laplacian.par();
     let low = (source.eigenbasis.truncated(lens.0)?, target.eigenbasis.truncated(lens.1)?);
+    let bases = (low.0.basis(), low.1.basis());
+    let all = (&source.eigenbasis, &target.eigenbasis);
+    let (start, step) = match known {
+        Known::Points(points) => return Ok(points),
+        Known::Pairs { landmarks, segments } => {
+            (fitted(args, (&landmarks, segments), all, &low)?, STEP)
+        }
+        Known::Nothing => {
+            let found = searched(args, source, target)?;
+            match args.refine {
+                Refine::Zoomout => (found.map, FoundMap::STEP),
+                _ => (found.between(bases, all, par, Progress::none())?, STEP),
+            }
+        }
+    };
+    let bar = Bar::new("points");
+    let update = |fraction| bar.update(fraction);
+    let progress = Progress::new(&update);
+    let c = start.as_ref();
+    Ok(match args.refine {
+        Refine::None => points_from_map(c, bases.0, bases.1, par, progress)?,
+        Refine::Icp => icp(c, bases.0, bases.1, ITERATIONS, par, progress)?.points,
+        Refine::Zoomout => zoomout(c, all.0.basis(), all.1.basis(), step, par, progress)?.points,
+        Refine::Products => {
+            let orthogonal = Orthogonalization::Reorthogonalized;
+            let from = products(args, source, lens.0, orthogonal)?;
+            let to = products(args, target, lens.1, orthogonal)?;
+            let step = lens.0.max(lens.1);
+            zoomout(c, from.basis(), to.basis(), step, par, progress)?.points
+        }
+    })
+}
+
+/// Returns the functional map between the eigenfunctions `low` that fits what is known.
+fn fitted(
+    args: &Args,
+    (pairs, segments): (&[(u32, u32)], Option<[Vec<u32>; 2]>),
+    all: (&Eigenbasis, &Eigenbasis),
+    low: &(Eigenbasis, Eigenbasis),
+) -> Result<Mat<f64>> {
     let bar = Bar::new("map");
     let update = |fraction| bar.update(fraction);
-    let mut fit = MapFit::new(&low.0, &low.1, par).progress(&update);
-    if args.landmarks.is_some() {
-        fit.landmarks(&pairs)?;
+    let mut fit = MapFit::new(&low.0, &low.1, args.laplacian.par()).progress(&update);
+    if !pairs.is_empty() {
+        fit.landmarks(pairs)?;
         if args.operators {
-            let f = around(&source.eigenbasis, pairs.iter().map(|pair| pair.0))?;
-            let g = around(&target.eigenbasis, pairs.iter().map(|pair| pair.1))?;
-            fit.operators(f.as_ref(), g.as_ref(), MapFit::MULTIPLICATIONS)?;
+            fit.kernels(pairs, all.0, all.1)?;
         }
     }
     if let Some(labels) = segments {
@@ -430,38 +574,39 @@ fn correspondence(
             fit.operators(f.as_ref(), g.as_ref(), MapFit::MULTIPLICATIONS)?;
         }
     }
-    let [f, g] = signatures(&low.0, &low.1, par)?;
-    fit.functions(f.as_ref(), g.as_ref())?;
-    let c = fit.solve(MapFit::COMMUTATIVITY)?;
-    drop(bar);
-    let bar = Bar::new("points");
-    let update = |fraction| bar.update(fraction);
-    let progress = Progress::new(&update);
-    let bases = (low.0.basis(), low.1.basis());
-    Ok(match args.refine {
-        Refine::None => points_from_map(c.as_ref(), bases.0, bases.1, par, progress)?,
-        Refine::Icp => icp(c.as_ref(), bases.0, bases.1, ITERATIONS, par, progress)?.points,
-        Refine::Zoomout => {
-            let (source, target) = (source.eigenbasis.basis(), target.eigenbasis.basis());
-            zoomout(c.as_ref(), source, target, 1, par, progress)?.points
-        }
-        Refine::Products => {
-            let orthogonal = Orthogonalization::Reorthogonalized;
-            let from = products(args, source, lens.0, orthogonal)?;
-            let to = products(args, target, lens.1, orthogonal)?;
-            let step = lens.0.max(lens.1);
-            zoomout(c.as_ref(), from.basis(), to.basis(), step, par, progress)?.points
-        }
-    })
+    fit.signatures(all.0, all.1).context("signatures (raise -k)")?;
+    Ok(fit.solve(MapFit::COMMUTATIVITY)?)
 }
 
-/// Returns heat kernels around vertices, without a unit.
-fn around(basis: &Eigenbasis, vertices: impl Iterator<Item = u32>) -> Result<Mat<f64>> {
-    let area = basis.basis().area()?;
-    let kernel =
-        |v: u32| heat_kernel(basis.values(), basis.functions(), v as usize, KERNEL_TIME * area);
-    let kernels: Vec<Vec<f64>> = vertices.map(kernel).collect::<catamaran::Result<_>>()?;
-    Ok(Mat::from_fn(basis.basis().vertices(), kernels.len(), |x, j| area * kernels[j][x]))
+/// Returns a functional map that is found without known correspondences.
+fn searched(args: &Args, source: &Shape, target: &Shape) -> Result<FoundMap> {
+    let bar = Bar::new("search");
+    let update = |fraction| bar.update(fraction);
+    let found = search_map(
+        (&source.file.mesh, &source.eigenbasis),
+        (&target.file.mesh, &target.eigenbasis),
+        args.laplacian.par(),
+        Progress::new(&update),
+    )
+    .context("no correspondence is known, and the search for one fails")?;
+    drop(bar);
+    let (defect, orientation) = (found.commutativity, found.orientation);
+    let next = found.next.map(|next| format!(", next {next:.4}")).unwrap_or_default();
+    report!(
+        "map",
+        commutativity = defect,
+        next = found.next,
+        orientation = orientation;
+        "found by a search: commutes with the Laplacians up to {defect:.4}{next}; orientation \
+         {orientation:.2}"
+    )?;
+    if found.is_ambiguous() {
+        note(format_args!(
+            "another map fits as well, or none keeps left and right apart: check the result, or \
+             give --landmarks"
+        ));
+    }
+    Ok(found)
 }
 
 /// Returns the indicators of the segments, which are on both meshes.
@@ -473,19 +618,4 @@ fn indicators(labels: &[Vec<u32>; 2]) -> [Mat<f64>; 2] {
         let of = &labels[side];
         Mat::from_fn(of.len(), distinct.len(), |i, j| f64::from(u8::from(of[i] == distinct[j])))
     })
-}
-
-/// Returns the wave kernel signatures of both meshes, scaled to area 1.
-fn signatures(source: &Eigenbasis, target: &Eigenbasis, par: Par) -> Result<[Mat<f64>; 2]> {
-    let normalized = |basis: &Eigenbasis| -> Result<(Vec<f64>, Mat<f64>)> {
-        let area = basis.basis().area()?;
-        let values = basis.values().iter().map(|value| value * area).collect();
-        Ok((values, Scale(area.sqrt()) * basis.functions()))
-    };
-    let (source, target) = (normalized(source)?, normalized(target)?);
-    let scales = wave_scales(&source.0, SIGNATURES).context("wave kernel signatures (raise -k)")?;
-    let signature = |(values, vectors): &(Vec<f64>, Mat<f64>)| {
-        wave_kernel_signature(values, vectors.as_ref(), &scales, par)
-    };
-    Ok([signature(&source)?, signature(&target)?])
 }

@@ -272,6 +272,13 @@ public:
         return *this;
     }
 
+    /// Adds heat and wave kernel signatures of bases of the same meshes, with more functions or as
+    /// many.
+    map_fit& signatures(const basis& source, const basis& target) {
+        detail::check(cata_map_fit_signatures(handle_.get(), source.get(), target.get()));
+        return *this;
+    }
+
     /// The map that fits best and, by a weight from 0 on, commutes with the Laplacians; no points.
     functional_map solve(double commutativity = 1e-3, const basis_options& how = {}) {
         functional_map found{rows_, cols_, std::vector<double>(rows_ * cols_), {}};
@@ -336,6 +343,39 @@ inline functional_map zoomout(matrix_view<const double> map, const basis& source
                                  detail::gapless(map.order, found.rows, found.cols),
                                  found.points.data(), call.params()));
     detail::by_columns(whole, map.order, found);
+    return found;
+}
+
+/// A map that was found without known correspondences, and its quality.
+struct found_map {
+    /// The map between all functions, and its points.
+    functional_map map;
+    /// |C L - L' C|^2 / |L|^2 for meshes of area 1.
+    double commutativity = 0.0;
+    /// That of the next best map that keeps the orientation; infinite without one.
+    double next = 0.0;
+    /// From -1 to 1; below 0.2, no map keeps the orientation.
+    double orientation = 0.0;
+};
+
+/// The map of two nearly isometric meshes that keeps left and right: cata_map_search.
+inline found_map search_map(const basis& source, const basis& target, const mesh_view& source_mesh,
+                            const mesh_view& target_mesh, const basis_options& how = {}) {
+    detail::require(source_mesh.n_vertices == source.vertices() &&
+                        target_mesh.n_vertices == target.vertices(),
+                    CATA_ERR_SHAPE, "meshes: must have the vertices of the bases");
+    found_map found;
+    found.map.rows = target.size();
+    found.map.cols = source.size();
+    found.map.entries.resize(found.map.rows * found.map.cols);
+    found.map.points.resize(target.vertices());
+    detail::basis_call call(how);
+    call.finish(cata_map_search(source.get(), target.get(), source_mesh.vertices,
+                                source_mesh.n_faces, source_mesh.faces, target_mesh.vertices,
+                                target_mesh.n_faces, target_mesh.faces, CATA_COL_MAJOR,
+                                found.map.entries.data(), found.map.rows ? found.map.rows : 1,
+                                found.map.points.data(), &found.commutativity, &found.next,
+                                &found.orientation, call.params()));
     return found;
 }
 

@@ -2,14 +2,14 @@
 
 use catamaran::Par;
 use catamaran::base::{FloatEnv, Progress};
-use catamaran::faer::{Mat, Scale};
+use catamaran::faer::Mat;
 use catamaran::sparse::{EigenOptions, Mass, eigs};
 use catamaran_geometry::mesh::{Boundary, LaplacianOptions, laplacian};
 use catamaran_geometry::spectral::descriptors::{
     global_point_signature, heat_kernel_signature, heat_times, wave_kernel_signature, wave_scales,
 };
 use catamaran_geometry::spectral::functional_map::{
-    MapFit, icp, map_from_points, points_from_map, zoomout,
+    FoundMap, MapFit, icp, map_from_points, points_from_map, search_map, zoomout,
 };
 use catamaran_geometry::spectral::{
     Eigenbasis as Basis, Orthogonalization, ProductBasis, ProductBasisOptions, ProductMap,
@@ -244,11 +244,11 @@ pub fn eigenproducts<'py>(
     ))
 }
 
-/// Wave kernel signatures that help landmarks, as many as `catamaran transfer` takes.
-const SIGNATURES: usize = 50;
-
 /// Iterations of ICP, at most.
 const ITERATIONS: usize = 20;
+
+/// Eigenfunctions that ZoomOut adds at a time to a map that was fitted.
+const STEP: usize = 1;
 
 #[derive(Clone, Copy)]
 enum Refinement {
@@ -260,12 +260,14 @@ enum Refinement {
 /// A functional map and the points that it says correspond; see `catamaran.functional_map`.
 #[pyfunction]
 #[pyo3(signature = (
-    source, target, k, landmarks, functions, signatures, commutativity, refine, threads, progress
+    source, target, meshes, k, landmarks, functions, signatures, commutativity, refine, threads,
+    progress
 ))]
 pub fn functional_map<'py>(
     py: Python<'py>,
     source: &Bound<'py, Eigenbasis>,
     target: &Bound<'py, Eigenbasis>,
+    meshes: Option<(Mesh<'py>, Mesh<'py>)>,
     k: (usize, usize),
     landmarks: Option<&Bound<'py, PyAny>>,
     functions: Option<(Bound<'py, PyAny>, Bound<'py, PyAny>)>,
@@ -290,9 +292,23 @@ pub fn functional_map<'py>(
         })
         .transpose()?;
     let known = known.as_ref().map(|(f, g)| (f.view(), g.view()));
+    // Without a correspondence the map is searched for.
+    let meshes = meshes
+        .map(|((v, f), (w, g))| Ok::<_, PyErr>((mesh(&v, &f)?, mesh(&w, &g)?)))
+        .transpose()?;
     let (source, target) = (&source.get().basis, &target.get().basis);
     let found = run(py, Length::Long, progress, move |progress| {
         let low = (source.truncated(k.0)?, target.truncated(k.1)?);
+        if let Some((from, to)) = &meshes {
+            let (searching, refining) = (progress.part(0.0..0.5), progress.part(0.5..1.0));
+            let found = search_map((from, source), (to, target), par, searching)?;
+            let bases = (low.0.basis(), low.1.basis());
+            let (c, step) = match refine {
+                Refinement::ZoomOut => (found.map, FoundMap::STEP),
+                _ => (found.between(bases, (source, target), par, Progress::none())?, STEP),
+            };
+            return refined(c, (source, target), &low, (refine, step), par, refining);
+        }
         let mut fit = MapFit::new(&low.0, &low.1, par);
         if let Some(pairs) = &landmarks {
             let pairs: Vec<(u32, u32)> = pairs.iter().map(|&[v, w]| (v, w)).collect();
@@ -302,11 +318,10 @@ pub fn functional_map<'py>(
             fit.functions(f, g)?;
         }
         if signatures {
-            let [f, g] = wave_signatures(&low.0, &low.1, par)?;
-            fit.functions(f.as_ref(), g.as_ref())?;
+            fit.signatures(source, target)?;
         }
         let c = fit.solve(commutativity)?;
-        refined(c, (source, target), &low, refine, par, progress)
+        refined(c, (source, target), &low, (refine, STEP), par, progress)
     })?;
     Ok((from_matrix(py, found.0.as_ref())?.into_any(), numbers(py, found.1)))
 }
@@ -315,7 +330,7 @@ fn refined(
     c: Mat<f64>,
     all: (&Basis, &Basis),
     low: &(Basis, Basis),
-    refine: Refinement,
+    (refine, step): (Refinement, usize),
     par: Par,
     progress: Progress<'_>,
 ) -> catamaran::Result<(Mat<f64>, Vec<u32>)> {
@@ -326,24 +341,9 @@ fn refined(
             return Ok((c, points));
         }
         Refinement::Icp => icp(view, low.0.basis(), low.1.basis(), ITERATIONS, par, progress)?,
-        Refinement::ZoomOut => zoomout(view, all.0.basis(), all.1.basis(), 1, par, progress)?,
+        Refinement::ZoomOut => zoomout(view, all.0.basis(), all.1.basis(), step, par, progress)?,
     };
     Ok((found.map, found.points))
-}
-
-/// Signatures of both meshes, as if they had area 1.
-fn wave_signatures(source: &Basis, target: &Basis, par: Par) -> catamaran::Result<[Mat<f64>; 2]> {
-    let unit = |basis: &Basis| -> catamaran::Result<(Vec<f64>, Mat<f64>)> {
-        let area = basis.basis().area()?;
-        let values = basis.values().iter().map(|value| value * area).collect();
-        Ok((values, Scale(area.sqrt()) * basis.functions()))
-    };
-    let (source, target) = (unit(source)?, unit(target)?);
-    let scales = wave_scales(&source.0, SIGNATURES)?;
-    let signature = |(values, functions): &(Vec<f64>, Mat<f64>)| {
-        wave_kernel_signature(values, functions.as_ref(), &scales, par)
-    };
-    Ok([signature(&source)?, signature(&target)?])
 }
 
 /// The map of orthogonalized products that a functional map implies; see `catamaran.product_map`.

@@ -35,6 +35,19 @@ def test_a_pose_is_found_from_landmarks():
     assert error < 0.2
 
 
+def test_a_map_is_found_without_correspondences():
+    v, f = shapes.terrain(14, 14)
+    order = (np.arange(len(v)) * 11) % len(v)
+    assert len(np.unique(order)) == len(v)
+    place = np.argsort(order)
+    found = catamaran.functional_map((v, f), (3 * v[order], place[f]), k=10, zoom=30)
+    assert np.mean(found.points == order) > 0.9
+    # A basis has no faces, by which left and right could be told.
+    basis = catamaran.Eigenbasis(v, f, 31)
+    fitted = catamaran.functional_map(basis, basis, k=10, zoom=30)
+    assert fitted.map.shape == (31, 31)
+
+
 def test_functions_alone_find_a_map():
     shape = shapes.terrain(14, 14)
     basis = catamaran.Eigenbasis(*shape, 21)

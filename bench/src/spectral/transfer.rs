@@ -5,9 +5,6 @@ use std::rc::Rc;
 use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran::faer::{Mat, MatRef};
-use catamaran_geometry::spectral::descriptors::{
-    heat_kernel, heat_kernel_signature, heat_times, wave_kernel_signature, wave_scales,
-};
 use catamaran_geometry::spectral::functional_map::{
     MapFit, icp, map_from_points, points_from_map, pull_back,
 };
@@ -58,10 +55,6 @@ const LANDMARKS: usize = 7;
 const EVALUATED: usize = 50;
 /// Number of iterations of ICP.
 const ICP: usize = 5;
-/// Number of scales of the descriptors to which the functional map is fitted.
-const SCALES: usize = 20;
-/// The time of heat kernels around landmarks, on shapes of area 1.
-const TIME: f64 = 1e-2;
 
 /// The thesis' errors, in per cent.
 const THESIS: [[[f64; 5]; 9]; 5] = [
@@ -205,16 +198,6 @@ pub fn transfer(shapes: &Shapes, setting: Setting) -> Result<Option<Table>> {
     Ok(Some(Table::new((number, title), &COLUMNS, average(&tables), thesis, published(k))))
 }
 
-/// Returns heat and wave kernel signatures.
-fn descriptors(basis: &Eigenbasis) -> Result<[Mat<f64>; 2]> {
-    let times = heat_times(basis.values(), SCALES)?;
-    let waves = wave_scales(basis.values(), SCALES)?;
-    Ok([
-        heat_kernel_signature(basis.values(), basis.functions(), &times, Par::all())?,
-        wave_kernel_signature(basis.values(), basis.functions(), &waves, Par::all())?,
-    ])
-}
-
 /// Returns pairs of corresponding vertices, spread over the target.
 fn landmarks(pair: &Pair) -> Vec<(u32, u32)> {
     let samples = pair.samples(LANDMARKS).into_iter();
@@ -240,25 +223,14 @@ pub fn fit(
     let mut fit = MapFit::new(source, target, Par::all());
     let [many, others] = [&pair.source, &pair.target].map(|shape| shape.first(MANY));
     let (many, others) = (many?, others?);
-    for (f, g) in descriptors(&many)?.iter().zip(&descriptors(&others)?) {
-        fit.functions(f.as_ref(), g.as_ref())?;
-    }
+    fit.signatures(&many, &others)?;
     let pairs = landmarks(pair);
     fit.landmarks(&pairs)?;
     if has_operators {
         // Signatures do not distinguish left and right; functions around landmarks do.
-        let f = around(&many, pairs.iter().map(|p| p.0))?;
-        let g = around(&others, pairs.iter().map(|p| p.1))?;
-        fit.operators(f.as_ref(), g.as_ref(), MapFit::MULTIPLICATIONS)?;
+        fit.kernels(&pairs, &many, &others)?;
     }
     Ok(fit.solve(MapFit::COMMUTATIVITY)?)
-}
-
-/// Returns heat kernels around vertices.
-fn around(basis: &Eigenbasis, vertices: impl Iterator<Item = u32>) -> Result<Mat<f64>> {
-    let kernel = |v: u32| heat_kernel(basis.values(), basis.functions(), v as usize, TIME);
-    let kernels: Vec<_> = vertices.map(kernel).collect::<std::result::Result<_, _>>()?;
-    Ok(Mat::from_fn(basis.basis().vertices(), kernels.len(), |x, j| kernels[j][x]))
 }
 
 /// Two shapes with the bases through which functions are transferred.

@@ -99,6 +99,38 @@ fn coordinates_are_transferred_along_points_and_landmarks() {
     for how in ["none", "icp"] {
         folder.succeed(&format!("{common} --landmarks pairs.txt --refine {how} -o {how}.csv"));
     }
+    // Without a correspondence, a search finds the same points.
+    let searched = format!("{common} --zoom 40 -o searched.npy --points-output searched.txt");
+    let said = folder.succeed(&searched);
+    assert!(said.contains("map         found by a search"), "{said}");
+    let searched = std::fs::read_to_string(folder.path("searched.txt")).unwrap();
+    assert!(searched.lines().map(|line| line.parse::<u32>().unwrap()).eq(points.iter().copied()));
+    for how in ["none", "icp", "products"] {
+        folder.succeed(&format!("{common} --refine {how} -o searched_{how}.csv"));
+    }
+    // By way of decimations, landmarks and points are those of the meshes.
+    for known in ["", "--landmarks pairs.txt"] {
+        let said = folder.succeed(&format!(
+            "{common} {known} --zoom 30 --via-decimation 120 -o via.npy --points-output via.txt \
+             --force"
+        ));
+        assert!(said.contains("source.ply: 162 vertices, represented by 120"), "{said}");
+        let via: Vec<f64> = folder.read_npy("via.npy", &[points.len(), 3]);
+        let found = std::fs::read_to_string(folder.path("via.txt")).unwrap();
+        assert!(found.lines().all(|line| line.parse::<usize>().unwrap() < points.len()));
+        let off: f64 = points
+            .iter()
+            .zip(via.chunks(3))
+            .map(|(&x, y)| distance(&source.vertices()[x as usize], y))
+            .sum();
+        let norm: f64 =
+            points.iter().map(|&x| distance(&source.vertices()[x as usize], &[0.0; 3])).sum();
+        assert!((off / norm).sqrt() < 0.2, "{}", (off / norm).sqrt());
+    }
+    let refusal = folder.fail(&format!("{common} --via-decimation 9 --identity -o never.csv"));
+    assert!(refusal.contains("cannot be used with"), "{refusal}");
+    let refusal = folder.fail(&format!("{common} --operators -o never.csv"));
+    assert!(refusal.contains("--operators is for --landmarks and --segments only"), "{refusal}");
     folder.succeed(
         "transfer source.ply source.ply --functions xyz.npy --identity -k 5 --order 1 -o same.npy",
     );

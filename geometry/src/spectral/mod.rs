@@ -11,6 +11,7 @@ mod eigenproducts;
 mod filter;
 pub mod functional_map;
 mod isospectralization;
+mod lift;
 mod transfer;
 
 pub use basis::{Basis, relative_errors};
@@ -22,4 +23,5 @@ pub use eigenproducts::{
 };
 pub use filter::{Response, add_coefficient, dirichlet_energies, filter};
 pub use isospectralization::{ShapeFromSpectrum, ShapeOptions, shape_from_spectrum};
+pub use lift::Lift;
 pub use transfer::Transfer;

@@ -371,6 +371,7 @@ def eigenproducts(
 def functional_map(
     source: Eigenbasis,
     target: Eigenbasis,
+    meshes: Optional[Tuple[Tuple[Any, Any], Tuple[Any, Any]]],
     k: Tuple[int, int],
     landmarks: Optional[ArrayLike],
     functions: Optional[Tuple[ArrayLike, ArrayLike]],

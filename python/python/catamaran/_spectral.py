@@ -318,6 +318,14 @@ class FunctionalMap(NamedTuple):
         return ax
 
 
+def _searched(shapes: Tuple[Shape, Shape]) -> Optional[Tuple[Any, Any]]:
+    """Return the arrays of two meshes; None where one of them is a basis."""
+    if any(isinstance(shape, Eigenbasis) for shape in shapes):
+        return None
+    source, target = (mesh_arrays(shape) or shape for shape in shapes)
+    return source, target
+
+
 def functional_map(
     source: Shape,
     target: Shape,
@@ -335,10 +343,14 @@ def functional_map(
 ) -> FunctionalMap:
     """Find which functions and vertices of two meshes correspond.
 
+    Without landmarks and functions, the map between two meshes is searched for: the one that
+    commutes best with the Laplacians and keeps left and right.
+
     Parameters
     ----------
     source, target : (v, f), a mesh or Eigenbasis
-        The meshes. Bases of (v, f) have k + 1 functions, or `zoom` for "zoomout".
+        The meshes. Bases of (v, f) have k + 1 functions, or `zoom` for "zoomout". For an Eigenbasis
+        there is no search: without landmarks and functions, the map is fitted to signatures alone.
     landmarks : array_like, count x 2, optional
         Corresponding vertices.
     functions : (array_like, array_like), optional
@@ -348,7 +360,7 @@ def functional_map(
     zoom : int
         Eigenfunctions that refinement by "zoomout" ends with.
     signatures : bool
-        Whether wave kernel signatures are fitted, too.
+        Whether heat and wave kernel signatures are fitted, too.
     commutativity : float
         Weight of the commutativity with the Laplacians.
     refine : {"zoomout", "icp", "none"}
@@ -380,6 +392,7 @@ def functional_map(
     found = _catamaran.functional_map(
         bases[0],
         bases[1],
+        _searched((source, target)) if landmarks is None and functions is None else None,
         lens,
         landmarks,
         functions,

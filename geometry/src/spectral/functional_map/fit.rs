@@ -7,13 +7,21 @@ use faer::{Mat, MatMut, MatRef, Scale};
 use super::operators::{Equations, Operators, multiplication};
 use crate::spectral::basis::{Basis, times_mass};
 use crate::spectral::dense;
-use crate::spectral::descriptors::heat_times;
+use crate::spectral::descriptors::{
+    heat_kernel, heat_kernel_signature, heat_times, wave_kernel_signature, wave_scales,
+};
 use crate::spectral::eigenbasis::Eigenbasis;
 use catamaran::base::{Error, Par, Progress, Result, Tracker, at_least_zero};
 use catamaran::dense::{for_row_blocks, zeros};
 
 /// Number of heat kernels per landmark, from narrow to wide.
 const SCALES: usize = 8;
+
+/// Number of heat kernel signatures, and of wave kernel signatures.
+const SIGNATURES: usize = 20;
+
+/// The time of the heat kernels around landmarks that a map commutes with, as a share of the area.
+const KERNEL_TIME: f64 = 1e-2;
 
 /// Share of the mean diagonal entry that is added to the diagonal of the equations. With fewer
 /// functions than unknowns, and no commutativity, there are many solutions, of which this selects
@@ -188,6 +196,74 @@ impl<'a> MapFit<'a> {
         let a = kernels(self.source, &|pair| pairs[pair].0)?;
         let b = kernels(self.target, &|pair| pairs[pair].1)?;
         self.add(a.as_ref(), b.as_ref());
+        Ok(())
+    }
+
+    /// Adds heat and wave kernel signatures of `source` and `target`, bases of the same meshes, with
+    /// at least as many functions: more of them distinguish vertices better. Signatures are those of
+    /// the meshes as if scaled to area 1; they do not tell left from right.
+    ///
+    /// # Errors
+    /// [`Error::Shape`] for bases of other meshes, [`Error::Argument`] unless the eigenvalues of the
+    /// source have two different positive values.
+    pub fn signatures(&mut self, source: &Eigenbasis, target: &Eigenbasis) -> Result<()> {
+        self.check_vertices(source, target)?;
+        let values = |basis: &Eigenbasis| -> Result<Vec<f64>> {
+            let area = basis.basis().area()?;
+            Ok(basis.values().iter().map(|value| value * area).collect())
+        };
+        let lengths = [values(source)?, values(target)?];
+        let times = heat_times(&lengths[0], SIGNATURES)?;
+        let scales = wave_scales(&lengths[0], SIGNATURES)?;
+        let signatures = |basis: &Eigenbasis, values: &[f64]| -> Result<[Mat<f64>; 2]> {
+            // Their unit, 1 / area, does not matter, but a large one would overflow.
+            let area = basis.basis().area()?;
+            let heat = heat_kernel_signature(values, basis.functions(), &times, self.par)?;
+            let wave = wave_kernel_signature(values, basis.functions(), &scales, self.par)?;
+            Ok([heat, wave].map(|signature| Scale(area) * signature))
+        };
+        let f = signatures(source, &lengths[0])?;
+        let g = signatures(target, &lengths[1])?;
+        for (f, g) in f.iter().zip(&g) {
+            self.functions(f.as_ref(), g.as_ref())?;
+        }
+        Ok(())
+    }
+
+    /// Adds the condition of [`MapFit::operators`] for heat kernels around corresponding vertices
+    /// (source, target), of `source` and `target`, bases of the same meshes: unlike signatures, they
+    /// tell left from right.
+    ///
+    /// # Errors
+    /// [`Error::Shape`] for bases of other meshes, [`Error::Argument`] for a pair that is not a pair
+    /// of vertices, and as [`MapFit::operators`].
+    pub fn kernels(
+        &mut self,
+        pairs: &[(u32, u32)],
+        source: &Eigenbasis,
+        target: &Eigenbasis,
+    ) -> Result<()> {
+        self.check_vertices(source, target)?;
+        let around = |basis: &Eigenbasis, vertices: Vec<u32>| -> Result<Mat<f64>> {
+            let area = basis.basis().area()?;
+            let (values, functions) = (basis.values(), basis.functions());
+            let kernel = |&v: &u32| heat_kernel(values, functions, v as usize, KERNEL_TIME * area);
+            let kernels: Vec<Vec<f64>> = vertices.iter().map(kernel).collect::<Result<_>>()?;
+            // Times the area, so that the function does not depend on the size of the mesh.
+            Ok(Mat::from_fn(functions.nrows(), kernels.len(), |x, j| area * kernels[j][x]))
+        };
+        let f = around(source, pairs.iter().map(|pair| pair.0).collect())?;
+        let g = around(target, pairs.iter().map(|pair| pair.1).collect())?;
+        self.operators(f.as_ref(), g.as_ref(), Self::MULTIPLICATIONS)
+    }
+
+    /// Returns an error unless these are bases of the same meshes, by their numbers of vertices.
+    fn check_vertices(&self, source: &Eigenbasis, target: &Eigenbasis) -> Result<()> {
+        for (what, basis, own) in [("source", source, self.source), ("target", target, self.target)]
+        {
+            let expected = (own.basis().vertices(), basis.len());
+            Error::check_shape(what, expected, basis.functions().shape())?;
+        }
         Ok(())
     }
 

@@ -5,11 +5,14 @@
 //! functional map takes a function f on the source to `f o points` on the target (Ovsjanikov et al.
 //! 2012).
 
+mod embedding;
 mod fit;
 mod nearest;
 mod operators;
+mod orientation;
 mod points;
 mod refine;
+mod search;
 
 #[doc(hidden)]
 pub use fit::Correspondences;
@@ -17,3 +20,4 @@ pub use fit::MapFit;
 pub use nearest::nearest_rows;
 pub use points::{map_from_points, points_from_map, pull_back};
 pub use refine::{Refined, icp, zoomout};
+pub use search::{FoundMap, search_map};

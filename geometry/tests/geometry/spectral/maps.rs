@@ -5,15 +5,17 @@ use std::ops::ControlFlow;
 use catamaran::base::Progress;
 use catamaran::faer::{Mat, MatRef};
 use catamaran::{Error, Par};
+use catamaran_geometry::decimate::{DecimateOptions, decimate};
+use catamaran_geometry::mesh::{TriMesh, families};
 use catamaran_geometry::spectral::functional_map::{
-    MapFit, icp, map_from_points, points_from_map, pull_back, zoomout,
+    MapFit, icp, map_from_points, points_from_map, pull_back, search_map, zoomout,
 };
 use catamaran_geometry::spectral::{
-    Eigenbasis, Orthogonalization, ProductBasis, ProductBasisOptions,
+    Eigenbasis, Lift, Orthogonalization, ProductBasis, ProductBasisOptions, Transfer,
 };
 
 use crate::common::{bits, gaussian};
-use crate::surface::{THREADS, blob, eigenbasis, shuffled};
+use crate::surface::{THREADS, blob, coordinates, eigenbasis, shuffled};
 
 /// Two eigenbases of the same surface, in another order of vertices and another size, and the true
 /// points.
@@ -269,4 +271,170 @@ fn dirty_input_is_refused_by_name_and_refinement_can_be_cancelled() {
     let stopped =
         zoomout(c.get(..2, ..2), eigen.basis(), eigen.basis(), 1, Par::Seq, (&cancel).into());
     assert_eq!(stopped.unwrap_err(), Error::Cancelled);
+}
+
+/// Returns the same surface seen from inside.
+fn inside_out(mesh: &TriMesh) -> TriMesh {
+    let faces = mesh.faces().iter().map(|&[a, b, c]| [a, c, b]).collect();
+    TriMesh::new(mesh.vertices().to_vec(), faces).unwrap()
+}
+
+#[test]
+fn a_map_is_found_without_correspondences_also_inside_out() {
+    let mesh = blob(3);
+    let (other, points) = shuffled(&mesh, 2.5);
+    let (source, target) = (eigenbasis(&mesh, 45), eigenbasis(&other, 45));
+    let exact = map_from_points(&points, source.basis(), target.basis(), Par::Seq).unwrap();
+    let search = |other: &TriMesh, par: Par| {
+        search_map((&mesh, &source), (other, &target), par, Progress::none()).unwrap()
+    };
+    let found = search(&other, Par::Seq);
+    assert!(found.orientation > 0.95 && !found.is_ambiguous(), "{found:?}");
+    assert_eq!(found.map.shape(), (40, 40));
+    // Samples of one mesh are not those of the other.
+    let first = exact.as_ref().submatrix(0, 0, 10, 10);
+    assert!(distance(found.map.as_ref().submatrix(0, 0, 10, 10), first) < 0.2 * 2.5);
+    let refined =
+        zoomout(found.map.as_ref(), source.basis(), target.basis(), 5, Par::Seq, Progress::none());
+    assert_eq!(refined.unwrap().points, points);
+    for par in THREADS {
+        let again = search(&other, par);
+        assert_eq!(bits(again.map.as_ref()), bits(found.map.as_ref()));
+    }
+    assert_eq!(search(&inside_out(&other), Par::Seq).map, found.map);
+    let low = (source.truncated(8).unwrap(), target.truncated(12).unwrap());
+    let bases = (low.0.basis(), low.1.basis());
+    let c = found.between(bases, (&source, &target), Par::Seq, Progress::none()).unwrap();
+    let expected = map_from_points(&points, bases.0, bases.1, Par::Seq).unwrap();
+    assert!(distance(c.as_ref(), expected.as_ref()) < 0.1 * 2.5);
+}
+
+#[test]
+fn a_mirrored_mesh_has_no_good_map_and_a_symmetric_one_has_two() {
+    let mesh = blob(3);
+    let reflected = mesh.vertices().iter().map(|&[x, y, z]| [-x, y, z]).collect();
+    let mirrored = inside_out(&TriMesh::new(reflected, mesh.faces().to_vec()).unwrap());
+    let (source, target) = (eigenbasis(&mesh, 40), eigenbasis(&mirrored, 40));
+    let search = |a: (&TriMesh, &Eigenbasis), b: (&TriMesh, &Eigenbasis)| {
+        search_map(a, b, Par::Seq, Progress::none()).unwrap()
+    };
+    // The exact map turns the surface over.
+    let found = search((&mesh, &source), (&mirrored, &target));
+    assert!(found.commutativity > 0.02 || found.is_ambiguous(), "{found:?}");
+    // A half turn takes the figure to itself, and keeps the orientation.
+    let figure = families::figure(3, 0.0).unwrap();
+    let basis = eigenbasis(&figure, 40);
+    let found = search((&figure, &basis), (&figure, &basis));
+    assert!(found.orientation > 0.9, "{found:?}");
+    assert!(found.next.is_some_and(|next| next < 3.0 * found.commutativity + 0.02), "{found:?}");
+}
+
+#[test]
+fn a_search_refuses_too_few_functions_and_other_meshes() {
+    let mesh = blob(2);
+    let (few, basis) = (eigenbasis(&mesh, 2), eigenbasis(&mesh, 12));
+    let search = |mesh: &TriMesh, basis: &Eigenbasis| {
+        search_map((mesh, basis), (mesh, basis), Par::Seq, Progress::none())
+    };
+    assert!(matches!(search(&mesh, &few), Err(Error::Argument { what: "eigenbasis", .. })));
+    assert!(matches!(search(&blob(1), &basis), Err(Error::Shape { what: "source", .. })));
+    let stop = |_| ControlFlow::Break(());
+    let stopped = search_map((&mesh, &basis), (&mesh, &basis), Par::Seq, (&stop).into());
+    assert_eq!(stopped.unwrap_err(), Error::Cancelled);
+}
+
+#[test]
+fn more_signatures_than_functions_determine_a_map_of_any_size() {
+    let (source, target, points) = pair(40);
+    let low = (source.truncated(12).unwrap(), target.truncated(12).unwrap());
+    let exact = map_from_points(&points, low.0.basis(), low.1.basis(), Par::Seq).unwrap();
+    let mut fit = MapFit::new(&low.0, &low.1, Par::Seq);
+    fit.signatures(&source, &target).unwrap();
+    let c = fit.solve(MapFit::COMMUTATIVITY).unwrap();
+    assert!(distance(c.as_ref(), exact.as_ref()) < 1e-2 * exact.norm_max());
+    fit.kernels(&landmarks(&points), &source, &target).unwrap();
+    let c = fit.solve(MapFit::COMMUTATIVITY).unwrap();
+    assert!(distance(c.as_ref(), exact.as_ref()) < 1e-3 * exact.norm_max());
+    let other = eigenbasis(&blob(2), 12);
+    assert!(matches!(fit.signatures(&other, &target), Err(Error::Shape { what: "source", .. })));
+}
+
+/// Returns functions transferred along points through the products of 8 eigenfunctions.
+fn transferred(
+    (source, target): (&Eigenbasis, &Eigenbasis),
+    points: &[u32],
+    f: MatRef<'_, f64>,
+) -> Mat<f64> {
+    let products = |basis: &Eigenbasis| {
+        ProductBasis::new(&basis.truncated(9).unwrap(), 2, &ProductBasisOptions::new()).unwrap()
+    };
+    let (from, to) = (products(source), products(target));
+    let map = map_from_points(points, from.basis(), to.basis(), Par::Seq).unwrap();
+    Transfer::new(from.basis(), to.basis(), map).unwrap().apply(f, Par::Seq).unwrap()
+}
+
+#[test]
+fn a_map_lifted_from_decimations_transfers_as_well_as_a_full_one() {
+    let mesh = blob(4);
+    let (other, truth) = shuffled(&mesh, 2.5);
+    let f = coordinates(&mesh);
+    let expected = pull_back(&truth, f.as_ref()).unwrap();
+    let error = |g: &Mat<f64>| (g - &expected).norm_l2() / expected.norm_l2();
+    let search = |(a, source): (&TriMesh, &Eigenbasis), (b, target): (&TriMesh, &Eigenbasis)| {
+        let found = search_map((a, source), (b, target), Par::Seq, Progress::none()).unwrap();
+        let (c, from, to) = (found.map.as_ref(), source.basis(), target.basis());
+        zoomout(c, from, to, 5, Par::Seq, Progress::none()).unwrap().points
+    };
+    let (source, target) = (eigenbasis(&mesh, 60), eigenbasis(&other, 60));
+    let points = search((&mesh, &source), (&other, &target));
+    let full = error(&transferred((&source, &target), &points, f.as_ref()));
+
+    let coarse = |mesh: &TriMesh| {
+        let found = decimate(mesh, 800, &DecimateOptions::new().par(Par::Seq)).unwrap();
+        let lift = Lift::new(mesh, &found, Par::Seq).unwrap();
+        let basis = eigenbasis(&found.mesh, 60);
+        (found.mesh, basis, lift)
+    };
+    let (from, to) = (coarse(&mesh), coarse(&other));
+    let coarse_points = search((&from.0, &from.1), (&to.0, &to.1));
+    let f_coarse = from.2.restrict(f.as_ref()).unwrap();
+    let g = transferred((&from.1, &to.1), &coarse_points, f_coarse.as_ref());
+    let lifted = error(&to.2.prolong(g.as_ref()).unwrap());
+    assert!(full > 0.01 && lifted <= 1.1 * full, "{lifted} after {full}");
+
+    // Points of vertices are on average less than two edges of the decimation away.
+    let corners = from.2.corners();
+    let found = to.2.nearest().iter().map(|&y| corners[coarse_points[y as usize] as usize]);
+    let apart = found.zip(&truth).map(|(x, &y)| {
+        let (p, q) = (mesh.vertices()[x as usize], mesh.vertices()[y as usize]);
+        (0..3).map(|i| (p[i] - q[i]).powi(2)).sum::<f64>().sqrt()
+    });
+    let mean = apart.sum::<f64>() / truth.len() as f64;
+    let edge = (2.3 * from.0.area() / from.0.faces().len() as f64).sqrt();
+    assert!(mean < 2.0 * edge, "{mean} of edges of {edge}");
+}
+
+#[test]
+fn functions_are_linear_between_a_mesh_and_its_decimation() {
+    let mesh = families::grid(12, 12).unwrap();
+    let found = decimate(&mesh, 60, &DecimateOptions::new().par(Par::Seq)).unwrap();
+    let lift = Lift::new(&mesh, &found, Par::Seq).unwrap();
+    // On a flat mesh, linear functions are kept exactly.
+    let f = coordinates(&mesh);
+    let coarse = lift.restrict(f.as_ref()).unwrap();
+    assert!(distance(coarse.as_ref(), coordinates(&found.mesh).as_ref()) < 1e-9);
+    let fine = lift.prolong(coarse.as_ref()).unwrap();
+    let inside = |p: &[f64; 3]| (0..2).all(|i| p[i] > 0.2 && p[i] < 0.8);
+    let extent = mesh.vertices().iter().flatten().copied().fold(0.0, f64::max);
+    for (v, p) in mesh.vertices().iter().enumerate() {
+        let scaled = p.map(|x| x / extent);
+        if inside(&scaled) {
+            assert!((0..3).all(|j| (fine[(v, j)] - f[(v, j)]).abs() < 1e-9), "{v}");
+        }
+    }
+    let short = f.as_ref().subrows(0, 9);
+    assert!(matches!(lift.restrict(short), Err(Error::Shape { what: "functions", .. })));
+    assert!(matches!(lift.prolong(short), Err(Error::Shape { what: "functions", .. })));
+    let other = families::grid(5, 5).unwrap();
+    assert!(matches!(Lift::new(&other, &found, Par::Seq), Err(Error::Shape { .. })));
 }
