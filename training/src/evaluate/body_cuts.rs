@@ -66,7 +66,7 @@ pub const BODY_CUTS: [BodyCut; 7] = [
 ];
 
 impl BodyCut {
-    fn parts(&self, surface: &Surface<'_>, frame: Frame) -> Result<[Mask; 2]> {
+    pub(super) fn parts(&self, surface: &Surface<'_>, frame: Frame) -> Result<[Mask; 2]> {
         let vertices = surface.mesh.vertices();
         let bounds = surface.mesh.bounding_box().unwrap_or_default();
         let share = |v: usize, axis: usize| {

@@ -3,6 +3,8 @@
 
 mod baselines;
 mod body_cuts;
+mod clouds;
+mod held_out;
 mod metrics;
 mod oracle;
 mod real;
@@ -13,6 +15,8 @@ mod warning;
 
 pub use baselines::{Minimum, Nearest, Perceptron, Weyl};
 pub use body_cuts::{BODY_CUTS, BodyCut, Frame, body_pairs};
+pub use clouds::{CloudError, body_clouds};
+pub use held_out::{Bodies, held_out};
 pub use metrics::{Associativity, Errors, Predictor, associativity, errors, select};
 pub use oracle::{Disturbance, ErrorModel, Logs, errors_by_index};
 pub use real::{REAL_SHAPES, RealShape};

@@ -64,22 +64,28 @@ const GENERATED: usize = 2_500;
 const SEED: u64 = 4242;
 
 impl RealShape {
-    /// Cuts the shape in each way of [`BODY_CUTS`](super::BODY_CUTS); files are read from `folder`.
+    /// Returns the shape and its axes; files are read from `folder`.
     ///
     /// # Errors
     /// [`catamaran::Error::Mesh`] when the largest component is not a manifold; those of
-    /// [`io::read`], [`repair`] of seams and repeated faces, [`decimate`] and [`body_pairs`].
-    pub fn pairs(&self, folder: &Path, par: Par) -> Result<Vec<(&'static BodyCut, Result<Pair>)>> {
-        match self.source {
-            Source::File(name) => {
-                let mesh = read(&folder.join(name), par)?;
-                body_pairs(&mesh, Frame { up: 1, side: 0 }, par)
-            }
+    /// [`io::read`], [`repair`] of seams and repeated faces, and [`decimate`].
+    pub fn mesh(&self, folder: &Path, par: Par) -> Result<(TriMesh, Frame)> {
+        Ok(match self.source {
+            Source::File(name) => (read(&folder.join(name), par)?, Frame { up: 1, side: 0 }),
             Source::Family(family) => {
                 let mesh = Model::new(family, GENERATED)?.shape(SEED, 0, 0, 0)?;
-                body_pairs(&mesh, Frame { up: 2, side: 0 }, par)
+                (mesh, Frame { up: 2, side: 0 })
             }
-        }
+        })
+    }
+
+    /// Cuts the shape in each way of [`BODY_CUTS`](super::BODY_CUTS).
+    ///
+    /// # Errors
+    /// Those of [`mesh`](Self::mesh) and [`body_pairs`].
+    pub fn pairs(&self, folder: &Path, par: Par) -> Result<Vec<(&'static BodyCut, Result<Pair>)>> {
+        let (mesh, frame) = self.mesh(folder, par)?;
+        body_pairs(&mesh, frame, par)
     }
 }
 

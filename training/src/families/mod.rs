@@ -10,6 +10,7 @@ mod isosurface;
 mod rotation;
 mod sheet;
 mod skeleton;
+mod unusual;
 mod weights;
 
 use catamaran::base::Rng;
@@ -20,6 +21,7 @@ use field::Field;
 use sheet::Sheet;
 pub(crate) use skeleton::CARICATURE;
 use skeleton::{Skeleton, Spec};
+pub use unusual::Unusual;
 
 /// A kind of shapes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -163,7 +165,7 @@ impl Model {
         let positions = match &self.kind {
             Kind::Rigged(skeleton, weights) => {
                 let proportions = skeleton.proportions(body, &mut of_identity);
-                let pose = skeleton.pose(&mut of_pose);
+                let pose = skeleton.pose(1.0, &mut of_pose);
                 skeleton.skin(self.template.vertices(), weights, &proportions, &pose)
             }
             Kind::Sheet(sheet) => {
@@ -172,7 +174,30 @@ impl Model {
         };
         TriMesh::new(positions, self.template.faces().to_vec())
     }
+
+    /// Returns an unusual human. The same arguments give the same shape.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for another family than the humanoids.
+    pub fn unusual(&self, kind: Unusual, seed: u64, number: usize) -> Result<TriMesh> {
+        let Kind::Rigged(skeleton, weights) = &self.kind else { return Err(no_human()) };
+        if self.family != Family::Humanoid {
+            return Err(no_human());
+        }
+        let mut rng = Rng::new(mixed(&[seed, kind as u64, number as u64, UNUSUAL]));
+        let proportions = kind.proportions(skeleton, &mut rng);
+        let pose = skeleton.pose(kind.turned(), &mut rng);
+        let positions = skeleton.skin(self.template.vertices(), weights, &proportions, &pose);
+        TriMesh::new(positions, self.template.faces().to_vec())
+    }
 }
+
+fn no_human() -> Error {
+    Error::Argument { what: "family", why: "must be `Humanoid`".into() }
+}
+
+/// Mixed into the seeds of unusual humans, so that they share no numbers with others.
+const UNUSUAL: u64 = 0x0DD;
 
 /// Number of attempts per creature: thin limbs that nearly touch may not give a surface.
 const ATTEMPTS: u64 = 20;

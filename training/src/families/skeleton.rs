@@ -106,8 +106,8 @@ impl Skeleton {
         let mut about_one = |spread: f64| 1.0 + more * spread * (2.0 * rng.uniform() - 1.0);
         let size = about_one(0.08);
         let stout = about_one(0.15);
-        let specs = self.bones.iter().map(|bone| bone.spec + 1).max().unwrap_or(0);
-        let own: Vec<[f64; 2]> = (0..specs).map(|_| [about_one(0.12), about_one(0.08)]).collect();
+        let own: Vec<[f64; 2]> =
+            (0..self.entries()).map(|_| [about_one(0.12), about_one(0.08)]).collect();
         let factors = self.bones.iter().map(|bone| {
             let [length, radius] = if body == 1 { bone.body_b } else { [1.0, 1.0] };
             [size * length * own[bone.spec][0], size * radius * stout * own[bone.spec][1]]
@@ -115,9 +115,19 @@ impl Skeleton {
         Proportions(factors.collect())
     }
 
-    /// Draws a pose: a rotation for each bone.
-    pub fn pose(&self, rng: &mut Rng) -> Vec<Rotation> {
-        let mut within = |[low, high]: [f64; 2]| low + (high - low) * rng.uniform();
+    /// Returns the number of entries of the list of bones.
+    pub fn entries(&self) -> usize {
+        self.bones.iter().map(|bone| bone.spec + 1).max().unwrap_or(0)
+    }
+
+    /// Returns the proportions with these factors of length and thickness of each entry.
+    pub fn with_entries(&self, factors: &[[f64; 2]]) -> Proportions {
+        Proportions(self.bones.iter().map(|bone| factors[bone.spec]).collect())
+    }
+
+    /// Draws a pose: a rotation for each bone, whose angles are multiplied by a factor.
+    pub fn pose(&self, turned: f64, rng: &mut Rng) -> Vec<Rotation> {
+        let mut within = |[low, high]: [f64; 2]| turned * (low + (high - low) * rng.uniform());
         self.bones.iter().map(|bone| about(bone.turns.map(&mut within))).collect()
     }
 

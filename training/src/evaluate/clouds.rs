@@ -1,0 +1,87 @@
+use catamaran::{Par, Result};
+use catamaran_geometry::mesh::{CloudOptions, LaplacianOptions, TriMesh};
+use catamaran_geometry::unions::{PartSpectra, cloud_spectrum};
+
+use super::{BODY_CUTS, Frame};
+use crate::cuts::{Mask, Surface};
+use crate::dataset::EIGENVALUES;
+
+/// How far the spectrum of the points of a part is from that of its mesh (thesis, figure 2.8).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CloudError {
+    /// The names of both parts of the cut.
+    pub cut: &'static str,
+    /// Which of them it is: 0 or 1.
+    pub part: usize,
+    /// Number of points.
+    pub points: usize,
+    /// Mean relative error of the eigenvalues.
+    pub mean: f64,
+    /// The first eigenvalue over that of the mesh.
+    pub first: f64,
+}
+
+/// Compares the Dirichlet spectra of the parts of all [`BODY_CUTS`], as meshes and as clouds of
+/// their vertices.
+///
+/// # Errors
+/// Those of [`PartSpectra`] and [`cloud_spectrum`].
+pub fn body_clouds(mesh: &TriMesh, frame: Frame, par: Par) -> Result<Vec<CloudError>> {
+    let mirror: Vec<u32> = (0..mesh.vertices().len() as u32).collect();
+    let surface = Surface::new(mesh, &mirror, par)?;
+    let spectra = PartSpectra::new(mesh, &LaplacianOptions::new().par(par))?;
+    let mut found = Vec::new();
+    for cut in &BODY_CUTS {
+        for (part, mask) in cut.parts(&surface, frame)?.iter().enumerate() {
+            let truth = spectra.dirichlet(mask, EIGENVALUES)?;
+            let points = points(mesh, mask)?;
+            let own = cloud_spectrum(&points, EIGENVALUES, &CloudOptions::new().par(par))?;
+            let errors = own.iter().zip(&truth).map(|(own, truth)| (own / truth - 1.0).abs());
+            let mean = errors.sum::<f64>() / truth.len() as f64;
+            let first = own[0] / truth[0];
+            found.push(CloudError { cut: cut.name, part, points: points.len(), mean, first });
+        }
+    }
+    Ok(found)
+}
+
+/// Returns the vertices of the faces of a part.
+fn points(mesh: &TriMesh, mask: &Mask) -> Result<Vec<[f64; 3]>> {
+    Ok(mesh.masked(mask)?.mesh.into_parts().0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::Bodies;
+    use crate::families::{Family, Model};
+
+    #[test]
+    fn clouds_of_generated_people_have_the_spectra_of_their_meshes() {
+        let model = Model::new(Family::Humanoid, 2500).unwrap();
+        let frame = Frame { up: 2, side: 0 };
+        let mut shapes = vec![model.template().clone()];
+        shapes.extend(Bodies::ALL.map(|bodies| bodies.shape(&model, 31, 0).unwrap()));
+        let mut worst: f64 = 0.0;
+        let (mut sum, mut count) = (0.0, 0);
+        for (number, mesh) in shapes.iter().enumerate() {
+            for found in body_clouds(mesh, frame, Par::all()).unwrap() {
+                println!("{number} {found:?}");
+                worst = worst.max(found.mean);
+                sum += found.mean;
+                count += 1;
+            }
+        }
+        println!("mean {} worst {worst}", sum / f64::from(count));
+        if let Some(folder) = std::env::var_os("CATAMARAN_DATA") {
+            let folder = std::path::PathBuf::from(folder).join("meshes");
+            for shape in &crate::evaluate::REAL_SHAPES[..2] {
+                let (mesh, frame) = shape.mesh(&folder, Par::all()).unwrap();
+                for found in body_clouds(&mesh, frame, Par::all()).unwrap() {
+                    println!("{} {found:?}", shape.name);
+                }
+            }
+        }
+        assert!(worst < 0.05, "{worst}");
+    }
+}
