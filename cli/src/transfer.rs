@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran::faer::Mat;
 use catamaran::io::{self as files, Output};
@@ -240,18 +239,20 @@ pub fn run(args: &Args) -> Result<()> {
 
     let points = correspondence(args, known, &source, &target, lens)?;
     let orthogonalization = Orthogonalization::from(args.mode);
-    let from = products(args, &source, lens.0, orthogonalization)?;
-    let to = products(args, &target, lens.1, orthogonalization)?;
-    let functions = [from.len(), to.len()];
+    let bases = [
+        products(args, &source, lens.0, orthogonalization)?,
+        products(args, &target, lens.1, orthogonalization)?,
+    ];
+    let functions = [bases[0].len(), bases[1].len()];
     status!("bases", functions = functions; "{} and {} functions", functions[0], functions[1])?;
-    let map = map_from_points(&points, from.basis(), to.basis(), par)?;
-    let transfer = Transfer::new(from.basis(), to.basis(), map)?;
+    let map = map_from_points(&points, bases[0].basis(), bases[1].basis(), par)?;
+    let transfer = Transfer::new(bases[0].basis(), bases[1].basis(), map)?;
     let g = match args.details {
         Some(Details::Heights) => with_heights(args, &source, &target, &transfer)?,
         _ => {
             let g = transfer.apply(f_near.as_ref(), par)?;
             let moved = pull_back(&points, f_near.as_ref())?;
-            let errors = relative_errors(moved.as_ref(), g.as_ref(), to.basis().mass())?;
+            let errors = relative_errors(moved.as_ref(), g.as_ref(), bases[1].basis().mass())?;
             let mean = 100.0 * errors.iter().sum::<f64>() / errors.len().max(1) as f64;
             report!(
                 "transfer",

@@ -10,7 +10,7 @@ use faer::{Mat, MatRef, Scale};
 
 use super::embedding::{Embedding, far_vertices, of_unit_areas};
 use super::fit::MapFit;
-use super::orientation::{Rings, TURNING, correlation};
+use super::orientation::{Rings, correlation};
 use super::points::{map_from_points, points_from_map};
 use crate::mesh::TriMesh;
 use crate::spectral::basis::Basis;
@@ -20,8 +20,7 @@ use catamaran::base::{Error, Par, Progress, Result, Tracker};
 /// Number of samples of each mesh.
 const SAMPLES: usize = 200;
 
-/// Number of functions besides the constant whose signs and orders are tried. On bodies of FAUST,
-/// 6 took three times as long and found no other map.
+/// Number of functions besides the constant whose signs and orders are tried: 256 starts.
 const SIGNS: usize = 5;
 
 /// Numbers of functions with which candidates are compared, and with which the search ends; and
