@@ -38,7 +38,11 @@ pub(crate) mod sealed {
                         FloatIsa::Avx2 => Avx2::new().map_or(portable, |kernel| kernel),
                         #[cfg(target_arch = "aarch64")]
                         FloatIsa::Neon => Neon::new().map_or(portable, |kernel| kernel),
-                        _ => portable,
+                        #[cfg(not(target_arch = "x86_64"))]
+                        FloatIsa::Avx512 | FloatIsa::Avx2 => portable,
+                        #[cfg(not(target_arch = "aarch64"))]
+                        FloatIsa::Neon => portable,
+                        FloatIsa::Portable => portable,
                     }
                 }
             }

@@ -203,7 +203,7 @@ def main(program, meshes, curves="5", record=None):
     text = [
         "# Chapter 6: curves through samples with noise and outliers\n",
         f"{count} curves in each row, {SAMPLES} samples each; what the columns are is in",
-        "`bench/curve_outliers.py`.\n",
+        "`bench/rivals/curve_outliers.py`.\n",
         *table(rows, True),
         *table(rows, False),
     ]
