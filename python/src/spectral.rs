@@ -35,7 +35,7 @@ pub struct Eigenbasis {
 
 /// Refuses fewer eigenfunctions than components: a component without its constant function would
 /// move to the origin.
-fn check_count(len: usize, (count, _, left, _): Pieces) -> catamaran::Result<()> {
+fn check_count(len: usize, (count, _, left, ..): Pieces) -> catamaran::Result<()> {
     if len >= count || count < 2 {
         return Ok(());
     }

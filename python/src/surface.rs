@@ -12,8 +12,9 @@ use crate::error::exception;
 use crate::mesh::mesh;
 
 /// What a warning says of a mesh: its components, those that are not held at zero anywhere, those
-/// that are left where vertices with equal positions are joined, and its vertices in no face.
-pub type Pieces = (usize, usize, usize, usize);
+/// that are left where vertices with equal positions are joined, its vertices in no face, and its
+/// faces that repeat another.
+pub type Pieces = (usize, usize, usize, usize, usize);
 
 /// A mesh, and the vertices of the caller.
 pub struct Surface {
@@ -55,7 +56,8 @@ impl Surface {
             true => Components::new(&welded(self.mesh.clone())?.mesh).len(),
             false => count,
         };
-        Ok((count, free, left, self.mesh.unreferenced_vertices().len()))
+        let alone = self.mesh.unreferenced_vertices().len();
+        Ok((count, free, left, alone, self.mesh.repeated_faces().len()))
     }
 
     /// Functions on the vertices of the caller from those on the mesh.

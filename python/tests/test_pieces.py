@@ -142,6 +142,16 @@ def test_closed_components_under_dirichlet_and_loose_vertices_are_said():
         catamaran.Eigenbasis(v, f, 3)
 
 
+def test_faces_that_repeat_another_are_said():
+    v, f = shapes.icosphere(1)
+    twice = np.vstack([f, f[3:5, [1, 2, 0]]])
+    with pytest.warns(UserWarning, match="faces that repeat another, and add to it: 2"):
+        found = catamaran.eigsh(v, twice, 3)
+    assert abs(found.values[1] - catamaran.eigsh(v, f, 3).values[1]) > 1e-3
+    with pytest.warns(UserWarning, match="faces that repeat another"):
+        catamaran.shape_dna(v, twice, 3)
+
+
 def test_components_of_a_matrix_are_said():
     stiffness, mass, _ = catamaran.laplacian(*beside(shapes.icosphere(1), shapes.icosphere(2)))
     with pytest.warns(UserWarning, match="2 eigenvalues are zero: 2 components"):

@@ -168,20 +168,20 @@ def warn_caller(message: str) -> None:
 
 
 def warn_of_pieces(
-    pieces: Tuple[int, int, int, int],
+    pieces: Tuple[int, int, int, int, int],
     *,
     dirichlet: bool,
     shifted: bool,
     name: str,
 ) -> None:
-    """Warn of a mesh with several components, and of vertices in no face.
+    """Warn of a mesh with several components, of vertices in no face, and of repeated faces.
 
     `pieces` are the components, those without a vertex held at zero, those that are left with
-    `weld`, and the vertices in no face. With `dirichlet` a mesh without a boundary is named, too;
-    with `shifted` the eigenvalues may lie far from zero, and components are not. `name` is that of
-    the mesh, if there are several.
+    `weld`, the vertices in no face, and the faces that repeat another. With `dirichlet` a mesh
+    without a boundary is named, too; with `shifted` the eigenvalues may lie far from zero, and
+    components are not. `name` is that of the mesh, if there are several.
     """
-    count, free, left, alone = pieces
+    count, free, left, alone, repeated = pieces
     found: List[str] = []
     zeros = "1 eigenvalue is zero" if free == 1 else f"{free} eigenvalues are zero"
     if count > 1 and not shifted:
@@ -196,5 +196,7 @@ def warn_of_pieces(
         found.append("the mesh has no boundary")
     if alone > 0:
         found.append(f"vertices in no face: {alone}; eigenfunctions are zero there")
+    if repeated > 0:
+        found.append(f"faces that repeat another, and add to it: {repeated}; repair leaves them out")
     for message in found:
         warn_caller(f"{name}: {message}" if name else message)

@@ -296,8 +296,8 @@ def listed(parts: Sequence[Any]) -> List[Any]:
     return [mesh_arrays(part) or part for part in parts]
 
 
-def warn_of_parts(pieces: Sequence[Optional[Tuple[int, int, int, int]]]) -> None:
-    """Warn of parts of several components, and with vertices in no face."""
+def warn_of_parts(pieces: Sequence[Optional[Tuple[int, int, int, int, int]]]) -> None:
+    """Warn of parts of several components, with vertices in no face, or with repeated faces."""
     for i, of_part in enumerate(pieces):
         if of_part is not None:
             warn_of_pieces(of_part, dirichlet=False, shifted=False, name=f"part {i}")
