@@ -29,6 +29,18 @@ impl Bodies {
         Self::Unusual(Unusual::Contorted),
     ];
 
+    /// Returns the name of the kind in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Usual => "usual",
+            Self::TypeB => "type B",
+            Self::Unusual(Unusual::Child) => "child",
+            Self::Unusual(Unusual::Heavy) => "heavy",
+            Self::Unusual(Unusual::Lanky) => "lanky",
+            Self::Unusual(Unusual::Contorted) => "contorted",
+        }
+    }
+
     /// Returns the human of this kind with a number.
     ///
     /// # Errors
@@ -71,4 +83,23 @@ pub fn held_out(seed: u64, count: usize, par: Par) -> Result<Vec<(Bodies, Pair)>
         }
     }
     Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::errors;
+    use catamaran_geometry::unions::SpectralUnion;
+
+    #[test]
+    fn the_shipped_weights_predict_the_spectra_of_bodies_that_no_training_has() {
+        let network = SpectralUnion::pretrained().unwrap();
+        let pairs = held_out(31, 1, Par::all()).unwrap();
+        for (bodies, most) in [(Bodies::Usual, 0.08), (Bodies::TypeB, 0.09)] {
+            let own: Vec<Pair> =
+                pairs.iter().filter(|(of, _)| *of == bodies).map(|(_, pair)| *pair).collect();
+            let found = errors(&network, &own).unwrap();
+            assert!(found.pairs > 10 && found.relative < most, "{bodies:?}: {found:?}");
+        }
+    }
 }

@@ -18,9 +18,6 @@ pub enum Unusual {
 }
 
 impl Unusual {
-    /// All kinds.
-    pub const ALL: [Self; 4] = [Self::Child, Self::Heavy, Self::Lanky, Self::Contorted];
-
     /// The factor of the rotations of poses.
     pub(super) fn turned(self) -> f64 {
         if self == Self::Contorted { 1.8 } else { 1.0 }

@@ -81,6 +81,8 @@ enum What {
     Spectral,
     /// Chapter 2: spectral unions.
     Unions,
+    /// Chapter 2: bodies that no training has, as point clouds, and predicted spectra.
+    Bodies,
     /// Chapter 4: plants that wilt.
     Plant,
     /// Chapter 5: decimation.
@@ -183,6 +185,10 @@ fn run_share(arguments: &Arguments, share: Share) -> Result<()> {
         What::Unions => {
             unions::run(&mut report, arguments)?;
             ("unions", unions::HEADER)
+        }
+        What::Bodies => {
+            unions::bodies::run(&mut report, arguments)?;
+            ("bodies", unions::bodies::HEADER)
         }
         What::Decimate => {
             decimate::run(&mut report, arguments)?;

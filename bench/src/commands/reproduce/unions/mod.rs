@@ -1,5 +1,6 @@
 //! Chapter 2: spectral unions of partial shapes.
 
+pub mod bodies;
 mod real;
 mod retrieval;
 mod trained;
@@ -102,10 +103,7 @@ pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
         generate(path)?;
     }
     let dataset = dataset::read(path)?;
-    let model = match &arguments.weights {
-        Some(path) => SpectralUnion::read(path)?,
-        None => SpectralUnion::pretrained()?,
-    };
+    let model = weights(arguments)?;
     report.say(&format!(
         "# Chapter 2, measured again\n\nData set: {} samples of generated shapes, `{}`; the protocol is in docs/algorithms/unions.md. \
          The thesis' numbers, in brackets, are of FAUST and SURREAL, which may not be redistributed: **absolute values are not \
@@ -128,6 +126,14 @@ pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
     let judgements = real::table(report, &model)?;
     warning::table(report, &dataset, &model, &judgements)?;
     times(report, &dataset, &model)
+}
+
+/// Returns the network with the given weights, or with those of the library.
+fn weights(arguments: &Arguments) -> Result<SpectralUnion> {
+    Ok(match &arguments.weights {
+        Some(path) => SpectralUnion::read(path)?,
+        None => SpectralUnion::pretrained()?,
+    })
 }
 
 /// Generates the data set of the pretrained weights; the progress is saved beside it, so that an
