@@ -1,5 +1,6 @@
 //! `catamaran spectrum`.
 
+use std::ops::Range;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -8,8 +9,8 @@ use catamaran::io::{Array, ArraysWriter, Output};
 use catamaran::sparse::{CsMat, EigenOptions, Eigenpairs, eigs_two_level};
 use catamaran_geometry::decimate::{DecimateOptions, decimate};
 use catamaran_geometry::mesh::{
-    Boundary, CloudOptions, Laplacian, LaplacianOptions, MassKind, TriMesh, cloud_laplacian,
-    laplacian,
+    Boundary, CloudOptions, Laplacian, LaplacianOptions, MassKind, TriMesh, cloud_laplacian_rows,
+    laplacian_rows,
 };
 use clap::ValueEnum;
 
@@ -20,7 +21,7 @@ use crate::pieces::Pieces;
 use crate::progress::Bar;
 use crate::ranks::Ranks;
 use crate::report::{head, note, report, row, seconds, shown, status};
-use crate::rows::fingerprint;
+use crate::rows::{fingerprint, fingerprint_of_indices};
 use crate::shape::{LaplacianArgs, MassArgs};
 use crate::{output, parse};
 
@@ -33,8 +34,8 @@ use crate::{output, parse};
 /// orthonormal in the inner product of the mass matrix) and `residuals` (k), |W phi - lambda M phi|
 /// / |W phi|.
 ///
-/// Under `mpirun` (where MPI is built in) the eigenvectors are distributed over the processes until
-/// they are written; each process uses `--threads`.
+/// Under `mpirun` (where MPI is built in) each process has some rows of the matrices and of the
+/// eigenvectors, until these are written; each process uses `--threads`.
 #[derive(clap::Args)]
 pub struct Args {
     #[arg(value_name = "MESH", help = crate::input::mesh_help("The mesh"))]
@@ -209,10 +210,12 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
             true => args.picture.create(args.force)?,
             false => None,
         };
-        Ok((output, picture, assemble(args)?))
+        Ok((output, picture, args.laplacian.repair.read(&args.input)?.mesh))
     };
-    let (output, picture, (mesh, operator)) = ranks.meet(begin())?;
-    check_same(args, ranks, &operator)?;
+    let (output, picture, mesh) = ranks.meet(begin())?;
+    check_same(args, ranks, &mesh)?;
+    let operator = assemble(args, ranks, &mesh)?;
+    ranks.meet(check_count(args, &mesh, operator.kept.len()))?;
     ranks.report(args.laplacian.par().threads())?;
 
     let start = Instant::now();
@@ -271,27 +274,31 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
 ///
 /// # Errors
 /// A process has another one; the error names it, and what differs.
-fn check_same(args: &Args, ranks: &Ranks, operator: &Laplacian) -> Result<()> {
-    let entries = fingerprint(operator.stiffness.data()) as usize;
+fn check_same(args: &Args, ranks: &Ranks, mesh: &TriMesh) -> Result<()> {
+    let (vertices, faces) = (mesh.vertices().as_flattened(), mesh.faces().as_flattened());
     let numbers = [
-        ("the number of vertices", operator.vertices),
-        ("the number of entries of the matrix", operator.stiffness.nnz()),
-        ("the fingerprint of its entries", entries),
+        ("the number of vertices", mesh.vertices().len()),
+        ("the number of faces", mesh.faces().len()),
+        ("the fingerprint of the vertices", fingerprint(vertices) as usize),
+        ("the fingerprint of the faces", fingerprint_of_indices(faces) as usize),
     ];
     ranks.same_numbers(&numbers).with_context(|| args.input.display().to_string())
 }
 
-/// Reads the mesh and computes the matrices of its Laplacian.
-fn assemble(args: &Args) -> Result<(TriMesh, Laplacian)> {
+/// Computes the rows of this process of the matrices of the Laplacian.
+fn assemble(args: &Args, ranks: &Ranks, mesh: &TriMesh) -> Result<Laplacian> {
     let name = args.input.display();
     let start = Instant::now();
-    let file = args.laplacian.repair.read(&args.input)?;
     let options = args.laplacian_options();
-    let is_cloud = file.mesh.faces().is_empty();
+    let is_cloud = mesh.faces().is_empty();
+    let share = |rows| ranks.share(rows, 1);
     let operator = match is_cloud {
-        true => cloud(args, &file.mesh)?,
-        false => laplacian(&file.mesh, &options).with_context(|| name.to_string())?,
+        true => cloud(args, mesh, share),
+        false => laplacian_rows(mesh, &options, share).with_context(|| name.to_string()),
     };
+    // A fault may be in the rows of one process only.
+    let operator = ranks.meet(operator)?;
+    let (entries, time) = (ranks.total(operator.stiffness.nnz()), start.elapsed());
     let (rows, vertices) = (operator.kept.len(), operator.vertices);
     status!(
         "mesh",
@@ -300,7 +307,6 @@ fn assemble(args: &Args) -> Result<(TriMesh, Laplacian)> {
         free = rows;
         "{name}: {vertices} vertices, {rows} of them free"
     )?;
-    let (entries, time) = (operator.stiffness.nnz(), start.elapsed());
     status!(
         "matrices",
         entries = entries,
@@ -308,29 +314,39 @@ fn assemble(args: &Args) -> Result<(TriMesh, Laplacian)> {
         "{entries} entries, in {}",
         seconds(time)
     )?;
+    Ok(operator)
+}
+
+/// Refuses more eigenpairs than rows, and notes the components of the mesh.
+fn check_count(args: &Args, mesh: &TriMesh, rows: usize) -> Result<()> {
     if args.k > rows {
         let default = EigenOptions::default().k;
         let default = if args.k == default { " (the default)" } else { "" };
+        let name = args.input.display();
         bail!("{name}: -k {}{default}, where {rows} vertices are free", args.k);
     }
-    if args.shift.is_none() && !is_cloud {
-        let repair = &args.laplacian.repair;
-        Pieces::new(&file.mesh, &args.input, repair, &options.boundary)?.note();
+    if args.shift.is_none() && !mesh.faces().is_empty() {
+        let options = args.laplacian_options();
+        Pieces::new(mesh, &args.input, &args.laplacian.repair, &options.boundary)?.note();
     }
-    Ok((file.mesh, operator))
+    Ok(())
 }
 
 /// Computes the matrices of the Laplacian of the vertices of a mesh without faces.
 ///
 /// # Errors
 /// An option that needs faces.
-fn cloud(args: &Args, mesh: &TriMesh) -> Result<Laplacian> {
+fn cloud(
+    args: &Args,
+    mesh: &TriMesh,
+    share: impl FnOnce(usize) -> Range<usize>,
+) -> Result<Laplacian> {
     let name = args.input.display();
     if args.via_decimation.is_some() || args.mass.kind() == MassKind::Consistent {
         bail!("{name}: has no faces, which --via-decimation and --mass full need");
     }
     let options = CloudOptions::new().boundary(args.boundary.into()).par(args.laplacian.par());
-    cloud_laplacian(mesh.vertices(), &options).with_context(|| name.to_string())
+    cloud_laplacian_rows(mesh.vertices(), &options, share).with_context(|| name.to_string())
 }
 
 /// Refuses a largest residual above --tolerance; above the default tolerance there is a note.

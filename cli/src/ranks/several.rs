@@ -235,8 +235,9 @@ impl Ranks {
         self.meet(common.map_err(Into::into))
     }
 
-    /// Computes the eigenpairs. One process computes them in slices that fit into `memory` bytes;
-    /// several processes compute all at once, and the first one gets all rows of the vectors.
+    /// Computes the eigenpairs from the rows of this process. One process computes them in slices
+    /// that fit into `memory` bytes; several processes compute all at once, and the first one gets
+    /// all rows of the vectors.
     pub fn eigenpairs(
         &self,
         stiffness: &CsMat<f64>,
@@ -248,14 +249,8 @@ impl Ranks {
         let Some(mpi) = &self.mpi else {
             return eigs_sliced(stiffness.view(), mass, options, memory, sink);
         };
-        let own = self.share(stiffness.rows(), 1);
-        let rows = |matrix: &CsMat<f64>| matrix.slice_outer(own.clone()).to_owned();
-        let own_mass = match mass {
-            Mass::Lumped(masses) => Mass::Lumped(masses[own.clone()].to_vec()),
-            Mass::Full(matrix) => Mass::Full(rows(matrix)),
-        };
         let world = &mpi.world;
-        let found = catamaran::ranks::eigs(world, rows(stiffness).view(), &own_mass, options)?;
+        let found = catamaran::ranks::eigs(world, stiffness.view(), mass, options)?;
         let vectors = catamaran::ranks::gather_rows(world, 0, found.vectors.as_ref())?;
         sink(Eigenpairs { vectors: vectors.unwrap_or_else(Mat::new), ..found })
     }

@@ -574,6 +574,11 @@ pub fn fingerprint(weights: &[f64]) -> u64 {
     fnv_1a(weights.iter().flat_map(|w| w.to_le_bytes()))
 }
 
+/// Returns a number that distinguishes lists of indices: FNV-1a of their bytes.
+pub fn fingerprint_of_indices(indices: &[u32]) -> u64 {
+    fnv_1a(indices.iter().flat_map(|i| i.to_le_bytes()))
+}
+
 /// Returns a number that distinguishes texts: FNV-1a of their bytes.
 pub fn fingerprint_of_text(text: &str) -> u64 {
     fnv_1a(text.bytes())

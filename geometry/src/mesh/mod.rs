@@ -24,7 +24,7 @@ mod trimesh;
 mod validation;
 pub mod vector;
 
-pub use cloud::{CloudOptions, cloud_laplacian};
+pub use cloud::{CloudOptions, cloud_laplacian, cloud_laplacian_rows};
 pub use compare::{Comparison, OneSided};
 pub(crate) use compare::{Triangles, nearest_on_triangle, squares};
 pub(crate) use distance::Search;
@@ -35,6 +35,7 @@ pub use distance::{
 pub use isosurface::{Lattice, Rim, isosurface, label_surface, label_surface_by};
 pub use laplacian::{
     Boundary, Laplacian, LaplacianKind, LaplacianOptions, MassKind, free_components, laplacian,
+    laplacian_rows,
 };
 pub use measure::Normalization;
 pub(crate) use measure::quality;

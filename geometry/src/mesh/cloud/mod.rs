@@ -7,8 +7,10 @@ mod boundary;
 mod sheet;
 mod star;
 
+use std::ops::Range;
+
 use super::vector::{dot, doubled_normal, unit};
-use super::{Boundary, Laplacian, LaplacianKind, LaplacianOptions, TriMesh, laplacian};
+use super::{Boundary, Laplacian, LaplacianKind, LaplacianOptions, TriMesh, laplacian_rows};
 use catamaran::base::{Error, Par, Result, options};
 use catamaran::sparse::Mass;
 
@@ -58,8 +60,20 @@ const ALONG: f64 = 0.3;
 ///
 /// # Errors
 /// [`Error::NonFinite`] for a coordinate; [`Error::Argument`] for fewer than 3 neighbours;
-/// [`Error::Mesh`] for points at the same place, and as [`laplacian()`].
+/// [`Error::Mesh`] for points at the same place, and as [`laplacian_rows`].
 pub fn cloud_laplacian(points: &[[f64; 3]], options: &CloudOptions) -> Result<Laplacian> {
+    cloud_laplacian_rows(points, options, |rows| 0..rows)
+}
+
+/// Computes some rows of the Laplacian of a cloud, as [`laplacian_rows`] does of a mesh.
+///
+/// # Errors
+/// Those of [`cloud_laplacian`] and [`laplacian_rows`].
+pub fn cloud_laplacian_rows(
+    points: &[[f64; 3]],
+    options: &CloudOptions,
+    share: impl FnOnce(usize) -> Range<usize>,
+) -> Result<Laplacian> {
     let Triangles { mesh, open } = triangles(points, options)?;
     let boundary = match &options.boundary {
         Boundary::Dirichlet => Boundary::Mixed(open),
@@ -71,7 +85,7 @@ pub fn cloud_laplacian(points: &[[f64; 3]], options: &CloudOptions) -> Result<La
         par: options.par,
         ..LaplacianOptions::default()
     };
-    let mut found = laplacian(&mesh, &settings)?;
+    let mut found = laplacian_rows(&mesh, &settings, share)?;
     found.stiffness.data_mut().iter_mut().for_each(|weight| *weight /= COPIES);
     if let Mass::Lumped(masses) = &mut found.mass {
         masses.iter_mut().for_each(|mass| *mass /= COPIES);

@@ -89,7 +89,7 @@ impl HeatMethod {
         let bounds = Bounds::new(&mesh, &faces, &lengths)?;
         let components = components(n, &faces);
         let (stiffness, mass) =
-            assemble(n, &faces, &elements, rounding, MassKind::Barycentric, options.par)?;
+            assemble(n, 0..n, &faces, &elements, rounding, MassKind::Barycentric, options.par)?;
         let (Mass::Lumped(mass), time) = (mass, options.time * mean * mean) else {
             let why = "barycentric masses are not a diagonal".into();
             return Err(Error::Argument { what: "mass", why });

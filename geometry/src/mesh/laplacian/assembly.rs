@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use sprs::CsMat;
 
 use super::super::topology::{Adjacency, corners};
@@ -24,7 +26,7 @@ struct Rows {
     lumped: Vec<f64>,
 }
 
-/// Sums the elements into matrices of n rows. A face may have a vertex twice (see
+/// Sums the elements into these rows of the matrices of n vertices. A face may have a vertex twice (see
 /// [`super::Complex`]). Weights that are negative by less than `rounding`, relative to 1 and to the
 /// sizes of their summands, are set to zero.
 ///
@@ -32,6 +34,7 @@ struct Rows {
 /// bit and the same for any number of threads.
 pub(crate) fn assemble(
     n: usize,
+    rows: Range<usize>,
     faces: &[[u32; 3]],
     elements: &[Element],
     rounding: f64,
@@ -40,16 +43,16 @@ pub(crate) fn assemble(
 ) -> Result<(CsMat<f64>, Mass)> {
     let corners = Adjacency::from_pairs(n, || corners(faces));
     let operations = CORNER * corners.items().len() as f64 * BLOCK as f64 / n.max(1) as f64;
-    let blocks = par.map_blocks_asking(n, BLOCK, operations, |range| {
-        let mut rows = Rows::default();
+    let blocks = par.map_blocks_asking(rows.len(), BLOCK, operations, |range| {
+        let mut block = Rows::default();
         let mut edges = Vec::new();
-        for vertex in range {
-            rows.push(vertex, corners.row(vertex), faces, elements, rounding, kind, &mut edges);
+        for vertex in range.map(|i| rows.start + i) {
+            block.push(vertex, corners.row(vertex), faces, elements, rounding, kind, &mut edges);
         }
-        rows
+        block
     })?;
     let entries = blocks.iter().map(|b| b.columns.len()).sum();
-    let mut starts = Vec::with_capacity(n + 1);
+    let mut starts = Vec::with_capacity(rows.len() + 1);
     starts.push(0);
     let mut columns = Vec::with_capacity(entries);
     let mut stiffness = Vec::with_capacity(entries);
@@ -68,11 +71,11 @@ pub(crate) fn assemble(
     }
     let mass = match kind {
         MassKind::Consistent => {
-            Mass::Full(CsMat::new((n, n), starts.clone(), columns.clone(), full))
+            Mass::Full(CsMat::new((rows.len(), n), starts.clone(), columns.clone(), full))
         }
         MassKind::Barycentric | MassKind::MixedVoronoi => Mass::Lumped(lumped),
     };
-    Ok((CsMat::new((n, n), starts, columns, stiffness), mass))
+    Ok((CsMat::new((rows.len(), n), starts, columns, stiffness), mass))
 }
 
 impl Rows {

@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use sprs::CsMat;
 
 use super::super::{Components, Edges, TriMesh};
@@ -35,7 +37,7 @@ pub fn free_components(mesh: &TriMesh, boundary: &Boundary) -> Result<usize> {
 }
 
 /// Returns which vertices have no row: those held at zero, and those in no face.
-pub(super) fn removed(mesh: &TriMesh, boundary: &Boundary) -> Result<Vec<bool>> {
+fn removed(mesh: &TriMesh, boundary: &Boundary) -> Result<Vec<bool>> {
     let n = mesh.vertices().len();
     let mut removed = vec![false; n];
     for v in mesh.unreferenced_vertices() {
@@ -61,25 +63,56 @@ pub(super) fn removed(mesh: &TriMesh, boundary: &Boundary) -> Result<Vec<bool>> 
     Ok(removed)
 }
 
-/// Returns the matrices without the rows and columns of the vertices that are removed.
-pub(super) fn restrict(stiffness: CsMat<f64>, mass: Mass, removed: &[bool]) -> Result<Laplacian> {
-    let vertices = removed.len();
-    let kept: Vec<usize> = (0..vertices).filter(|&v| !removed[v]).collect();
-    let (stiffness, mass) = if kept.len() == vertices {
-        (stiffness, mass)
-    } else {
-        let mut rows = vec![None; vertices];
-        for (row, &v) in kept.iter().enumerate() {
-            rows[v] = Some(row);
+/// Which vertices have rows, ascending.
+pub(super) struct Places {
+    pub kept: Vec<usize>,
+    vertices: usize,
+}
+
+impl Places {
+    /// # Errors
+    /// Those of [`free_components`].
+    pub fn new(mesh: &TriMesh, boundary: &Boundary) -> Result<Self> {
+        let removed = removed(mesh, boundary)?;
+        let kept = (0..removed.len()).filter(|&v| !removed[v]).collect();
+        Ok(Self { kept, vertices: removed.len() })
+    }
+
+    /// Returns the shortest range of vertices with those of these rows.
+    pub fn vertices(&self, rows: Range<usize>) -> Range<usize> {
+        match self.kept[rows].split_first() {
+            None => 0..0,
+            Some((&first, others)) => first..others.last().unwrap_or(&first) + 1,
         }
-        let mass = match mass {
-            Mass::Lumped(all) => Mass::Lumped(kept.iter().map(|&v| all[v]).collect()),
-            Mass::Full(matrix) => Mass::Full(select(matrix.view(), &kept, &rows, kept.len())),
+    }
+
+    /// Returns the Laplacian of the rows and columns of kept vertices, of which these rows are
+    /// among those of the matrices, the rows of the vertices from `first` on.
+    pub fn restrict(
+        self,
+        stiffness: CsMat<f64>,
+        mass: Mass,
+        first: usize,
+        rows: Range<usize>,
+    ) -> Result<Laplacian> {
+        let Self { kept, vertices } = self;
+        let own: Vec<usize> = kept[rows.clone()].iter().map(|&v| v - first).collect();
+        let (stiffness, mass) = if kept.len() == vertices {
+            (stiffness, mass)
+        } else {
+            let mut places = vec![None; vertices];
+            for (place, &v) in kept.iter().enumerate() {
+                places[v] = Some(place);
+            }
+            let mass = match mass {
+                Mass::Lumped(all) => Mass::Lumped(own.iter().map(|&v| all[v]).collect()),
+                Mass::Full(matrix) => Mass::Full(select(matrix.view(), &own, &places, kept.len())),
+            };
+            (select(stiffness.view(), &own, &places, kept.len()), mass)
         };
-        (select(stiffness.view(), &kept, &rows, kept.len()), mass)
-    };
-    check(&stiffness, &mass, &kept)?;
-    Ok(Laplacian { stiffness, mass, kept, vertices })
+        check(&stiffness, &mass, &kept[rows])?;
+        Ok(Laplacian { stiffness, mass, kept, vertices })
+    }
 }
 
 /// Returns an error unless all entries are finite: sums of finite numbers can overflow, and

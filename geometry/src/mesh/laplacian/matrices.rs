@@ -7,7 +7,9 @@ use catamaran::base::{Error, Result};
 use catamaran::sparse::{Mass, select};
 
 /// The matrices of the eigenproblem `W phi = lambda M phi`: the stiffness W and the mass M. The
-/// rows belong to the vertices in [`Laplacian::kept`].
+/// rows belong to the vertices in [`Laplacian::kept`]; those of [`laplacian_rows`] to some of them.
+///
+/// [`laplacian_rows`]: super::laplacian_rows
 #[derive(Debug, Clone, PartialEq)]
 pub struct Laplacian {
     /// W: symmetric, positive semi-definite, by rows, both triangles, a diagonal entry in every
@@ -74,9 +76,12 @@ impl Laplacian {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Shape`] unless the mask has an entry for each vertex of the mesh.
+    /// [`Error::Shape`] unless the mask has an entry for each vertex of the mesh, and the matrices
+    /// all rows.
     pub fn restricted(&self, mask: &[bool]) -> Result<Self> {
         Error::check_shape("mask", (self.vertices, 1), (mask.len(), 1))?;
+        let all = self.kept.len();
+        Error::check_shape("stiffness", (all, all), self.stiffness.shape())?;
         let all = &self.kept;
         let kept: Vec<usize> = (0..all.len()).filter(|&row| mask[all[row]]).collect();
         let mut rows = vec![None; all.len()];

@@ -18,11 +18,13 @@ mod options;
 mod tests;
 
 use std::borrow::Cow;
+use std::ops::Range;
 
 use super::TriMesh;
 use catamaran::base::{Error, Result};
 
 pub(crate) use assembly::assemble;
+use boundary::Places;
 pub use boundary::free_components;
 pub(crate) use complex::Complex;
 pub(crate) use delaunay::ROUNDING;
@@ -55,11 +57,44 @@ pub use options::{Boundary, LaplacianKind, LaplacianOptions, MassKind};
 /// [`TriMesh::check_size`]. [`Error::Argument`] for 7e8 faces or more; [`Error::NotConverged`] when
 /// flips do not end.
 pub fn laplacian(mesh: &TriMesh, options: &LaplacianOptions) -> Result<Laplacian> {
+    laplacian_rows(mesh, options, |rows| 0..rows)
+}
+
+/// Computes some rows of the Laplacian of a mesh, for processes that hold some rows each: `share`
+/// returns those of this process, given the number of all rows. Only these rows of W and M are
+/// held. They are the same, bit for bit, as those of [`laplacian`].
+///
+/// ```
+/// use catamaran_geometry::mesh::{LaplacianOptions, families, laplacian, laplacian_rows};
+///
+/// let (mesh, options) = (families::icosphere(2)?, LaplacianOptions::new());
+/// let first = laplacian_rows(&mesh, &options, |rows| 0..rows / 2)?;
+/// assert_eq!((first.stiffness.rows(), first.stiffness.cols()), (81, 162));
+/// assert_eq!(first.kept.len(), 162);
+/// let whole = laplacian(&mesh, &options)?;
+/// assert_eq!(first.stiffness.outer_view(80), whole.stiffness.outer_view(80));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// Those of [`laplacian`], for entries of these rows only; [`Error::Argument`] for rows that there
+/// are not.
+pub fn laplacian_rows(
+    mesh: &TriMesh,
+    options: &LaplacianOptions,
+    share: impl FnOnce(usize) -> Range<usize>,
+) -> Result<Laplacian> {
     if u32::try_from(mesh.faces().len().saturating_mul(6)).is_err() {
         let why = format!("at most 7e8 are possible, got {}", mesh.faces().len());
         return Err(Error::Argument { what: "faces", why });
     }
-    let removed = boundary::removed(mesh, &options.boundary)?;
+    let places = Places::new(mesh, &options.boundary)?;
+    let count = places.kept.len();
+    let rows = share(count);
+    if rows.start > rows.end || rows.end > count {
+        let why = format!("must be among {count}, are {rows:?}");
+        return Err(Error::Argument { what: "rows", why });
+    }
     let (faces, elements, rounding) = match options.kind {
         LaplacianKind::Cotangent => (Cow::Borrowed(mesh.faces()), of_mesh(mesh, options.par)?, 0.0),
         kind => {
@@ -69,6 +104,8 @@ pub fn laplacian(mesh: &TriMesh, options: &LaplacianOptions) -> Result<Laplacian
         }
     };
     let n = mesh.vertices().len();
-    let (stiffness, mass) = assemble(n, &faces, &elements, rounding, options.mass, options.par)?;
-    boundary::restrict(stiffness, mass, &removed)
+    let own = places.vertices(rows.clone());
+    let (stiffness, mass) =
+        assemble(n, own.clone(), &faces, &elements, rounding, options.mass, options.par)?;
+    places.restrict(stiffness, mass, own.start, rows)
 }

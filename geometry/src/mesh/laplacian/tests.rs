@@ -356,3 +356,29 @@ fn the_number_of_threads_changes_no_bit() {
         assert!(one == at(2) && one == at(3), "{kind:?}");
     }
 }
+
+#[test]
+fn rows_of_any_share_are_those_of_the_whole_laplacian() {
+    let mesh = families::grid(7, 5).unwrap();
+    for kind in [LaplacianKind::Cotangent, LaplacianKind::Tufted] {
+        for (boundary, mass) in [
+            (Boundary::Neumann, MassKind::Barycentric),
+            (Boundary::Dirichlet, MassKind::Consistent),
+            (Boundary::Mixed(vec![0, 3, 47]), MassKind::MixedVoronoi),
+        ] {
+            let options = LaplacianOptions::new().kind(kind).boundary(boundary).mass(mass);
+            let whole = laplacian(&mesh, &options).unwrap();
+            let n = whole.kept.len();
+            for rows in [0..n, 0..0, n..n, 3..4, 5..n - 2] {
+                let own = laplacian_rows(&mesh, &options, |_| rows.clone()).unwrap();
+                assert_eq!(own.stiffness, whole.stiffness.slice_outer(rows.clone()).to_owned());
+                let expected = match &whole.mass {
+                    Mass::Lumped(all) => Mass::Lumped(all[rows.clone()].to_vec()),
+                    Mass::Full(all) => Mass::Full(all.slice_outer(rows.clone()).to_owned()),
+                };
+                assert_eq!((own.mass, &own.kept), (expected, &whole.kept));
+            }
+            assert!(laplacian_rows(&mesh, &options, |n| 1..n + 1).is_err());
+        }
+    }
+}
