@@ -46,6 +46,8 @@ const TASKS: usize = 16;
 
 /// Sides of figure 8.3 beyond those of [`Share::Figures`], up to the thesis' largest.
 const SQUARES: [usize; 4] = [10_000, 15_000, 20_000, 25_000];
+/// The largest side of the figures that are not at the thesis' sizes.
+const SIDE: usize = 7500;
 /// Shapes of figure 8.5 in the thesis.
 const THREADED: [Shape; 3] =
     [Shape { m: 30_000, n: 30_000 }, Shape { m: 40_000, n: 40_000 }, Shape { m: 60_000, n: 5000 }];
@@ -59,10 +61,11 @@ pub fn run(report: &mut Report, share: Share, arguments: &Arguments) -> Result<(
          the largest norms of columns; memory is that of C and of what the contender needs besides, in MB.\n",
     );
     let square = |n| Shape { m: n, n };
+    let (side, most) = (arguments.side.unwrap_or(SIDE), arguments.side.unwrap_or(usize::MAX));
     if share != Share::Threads {
         let shapes: Vec<_> = match share {
-            Share::Squares => SQUARES.map(square).into(),
-            _ => (1..=arguments.side / STEP).map(|i| square(i * STEP)).collect(),
+            Share::Squares => SQUARES.into_iter().filter(|&n| n <= most).map(square).collect(),
+            _ => (1..=side / STEP).map(|i| square(i * STEP)).collect(),
         };
         let figure = Figure { name: "8.3", operation: Operation::Syrk, scheme: "ata2".into() };
         let rows = figure.rows(&shapes, Type::F64, &[1], arguments)?;
@@ -82,11 +85,11 @@ pub fn run(report: &mut Report, share: Share, arguments: &Arguments) -> Result<(
             operation: Operation::Syrk,
             scheme: format!("ata2:tasks={TASKS}"),
         };
-        let third = arguments.side / 3;
+        let third = side / 3;
         let shapes = match share {
-            Share::Threads => THREADED.to_vec(),
+            Share::Threads => THREADED.into_iter().filter(|shape| shape.n <= most).collect(),
             // The aspect of 60K x 5K.
-            _ => vec![square(arguments.side), Shape { m: 12 * third, n: third }],
+            _ => vec![square(side), Shape { m: 12 * third, n: third }],
         };
         for shape in shapes {
             let rows = figure.rows(&[shape], Type::F32, &threads, arguments)?;

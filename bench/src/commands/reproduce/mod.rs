@@ -42,9 +42,10 @@ pub struct Arguments {
     /// thesis' sizes.
     #[arg(long, value_name = "PART")]
     only: Option<String>,
-    /// Chapter 8: the largest side of a square matrix.
-    #[arg(long, default_value_t = 7500, value_name = "N")]
-    side: usize,
+    /// Chapter 8: the most columns of a matrix [default: 7500; of squares and threads those of the
+    /// thesis].
+    #[arg(long, value_name = "N")]
+    side: Option<usize>,
     /// Chapter 8: the rivals, of those that scripts/rivals installed.
     #[arg(long, value_delimiter = ',', default_value = "mkl,openblas")]
     rivals: Vec<String>,
