@@ -1,13 +1,14 @@
-"""One solution of W phi = lambda M phi, W positive semidefinite, M a diagonal, around a shift of -0.01.
+"""One solution of W phi = lambda M phi, W positive semidefinite, M a diagonal, around the shift that ours takes: by
+the first eigenvalue of a plane of that area. (A fixed shift is far from the eigenvalues of a large mesh.)
 
     eigsh.py FOLDER K SOLVER   reads data, indices, indptr (W by rows) and mass (M) of FOLDER, .npy each; writes
                                values.npy and residuals.npy there and prints seconds and bytes
 
-SOLVER, each with a factorization of W + 0.01 M that is computed within the time:
+SOLVER, each with a factorization of W - shift M that is computed within the time:
     superlu   scipy's eigsh (ARPACK), its default factorization by SuperLU
     cholmod   scipy's eigsh, a factorization by CHOLMOD (scikit-sparse)
     cholespy  scipy's eigsh, a factorization by CHOLMOD as cholespy builds it
-    primme    PRIMME's eigsh of M^1/2 (W + 0.01 M)^-1 M^1/2, a factorization by CHOLMOD or cholespy
+    primme    PRIMME's eigsh of M^1/2 (W - shift M)^-1 M^1/2, a factorization by CHOLMOD or cholespy
 """
 
 import resource
@@ -17,9 +18,6 @@ import time
 import numpy as np
 import scipy.sparse as sparse
 from scipy.sparse.linalg import LinearOperator, eigsh
-
-SHIFT = -0.01
-
 
 def resident():
     with open("/proc/self/statm") as statm:
@@ -55,14 +53,14 @@ def fastest(matrix):
 
 
 def by_scipy(factorize):
-    inverse = LinearOperator((n, n), matvec=factorize((W - SHIFT * M).tocsc()), dtype=np.float64)
-    return eigsh(W, k, M, sigma=SHIFT, OPinv=inverse)
+    inverse = LinearOperator((n, n), matvec=factorize((W - shift * M).tocsc()), dtype=np.float64)
+    return eigsh(W, k, M, sigma=shift, OPinv=inverse)
 
 
 def by_primme():
     import primme
 
-    solve, root = fastest((W - SHIFT * M).tocsc()), np.sqrt(mass)
+    solve, root = fastest((W - shift * M).tocsc()), np.sqrt(mass)
 
     def apply(x):
         columns = x.reshape(n, -1)
@@ -70,7 +68,7 @@ def by_primme():
 
     inverse = LinearOperator((n, n), matvec=apply, matmat=apply, dtype=np.float64)
     inverted, vectors = primme.eigsh(inverse, k, which="LA", tol=1e-12)
-    return SHIFT + 1 / inverted, vectors / root[:, None]
+    return shift + 1 / inverted, vectors / root[:, None]
 
 
 folder, k, solver = sys.argv[1], int(sys.argv[2]), sys.argv[3]
@@ -78,10 +76,11 @@ data, indices, indptr, mass = (
     np.load(f"{folder}/{name}.npy").ravel() for name in ("data", "indices", "indptr", "mass")
 )
 n = len(mass)
+shift = -2 * np.sqrt(3) / mass.sum()
 W = sparse.csr_matrix((data, indices.astype(np.int32), indptr.astype(np.int32)), shape=(n, n)).tocsc()
 M = sparse.diags(mass).tocsc()
 solvers = {
-    "superlu": lambda: eigsh(W, k, M, sigma=SHIFT),
+    "superlu": lambda: eigsh(W, k, M, sigma=shift),
     "cholmod": lambda: by_scipy(cholmod),
     "cholespy": lambda: by_scipy(cholespy),
     "primme": by_primme,
