@@ -27,7 +27,7 @@ arguments! {
 type Decimated<'py> =
     (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Parts<'py>);
 
-/// See `catamaran.decimate`.
+/// Implements `catamaran.decimate`.
 #[pyfunction]
 #[pyo3(signature = (v, f, n, how, progress))]
 pub fn decimate<'py>(
@@ -62,7 +62,7 @@ pub fn decimate<'py>(
     Ok((v, f, of_faces, inside, parts(py, weights)))
 }
 
-/// Samples, the nearest sample of each vertex (-1 without), and its distance; see
+/// Returns samples, the nearest sample of each vertex (-1 without), and its distance; see
 /// `catamaran.farthest_points`.
 #[pyfunction]
 #[pyo3(signature = (v, f, n, first, progress))]

@@ -365,8 +365,8 @@ impl Bounds {
     }
 }
 
-/// The power of two that the entries of a column of this exponent are multiplied by first, since
-/// `2^exponent` may overflow.
+/// Returns the power of two that the entries of a column of this exponent are multiplied by first,
+/// since `2^exponent` may overflow.
 fn enlarged(exponent: i32) -> i32 {
     if exponent > 900 { 400 } else { 0 }
 }
