@@ -120,7 +120,7 @@ cata_status cata_memory_release(void);
 
 /** Ends the threads that the library keeps between calls, and waits until they have ended.
  *
- * Later calls start threads anew. A call that runs at the same time keeps its threads until it
+ * Later calls start new threads. A call that runs at the same time keeps its threads until it
  * returns. */
 cata_status cata_threads_release(void);
 
@@ -2390,7 +2390,7 @@ cata_status cata_map_fit_functions(cata_map_fit *fit, int32_t layout, size_t cou
     size_t ldf, const double *g, size_t ldg);
 
 /** Adds that C commutes with multiplications by such functions, with this weight; 0.1 is usual.
- * A function says far more of the map that way. */
+ * A function constrains the map far more in this way. */
 cata_status cata_map_fit_operators(cata_map_fit *fit, int32_t layout, size_t count, const double *f,
     size_t ldf, const double *g, size_t ldg, double weight);
 
@@ -2902,7 +2902,7 @@ cata_status cata_plant_wilt(const cata_plant *plant, const cata_plant_rods *rods
  * @{
  */
 
-#define CATA_SLIME_TURNS_RANDOM 0 /**< `turns`: by chance, up to the turn speed. */
+#define CATA_SLIME_TURNS_RANDOM 0 /**< `turns`: at random, up to the turn speed. */
 #define CATA_SLIME_TURNS_EVEN 1 /**< `turns`: always at the turn speed. */
 #define CATA_SLIME_BLUR_SURFACE 0 /**< `blur`: over the surface, across seams. */
 #define CATA_SLIME_BLUR_TEXTURE 1 /**< `blur`: of the texture alone. */
@@ -3194,8 +3194,8 @@ cata_status cata_world_ata_root(const cata_world *world, size_t root, int32_t la
     size_t ldc, const cata_ata_params *params);
 
 /** Computes C := alpha A^T A + beta C for block-cyclic A, m x n, and C, n x n, as ScaLAPACK has
- * them; what PDSYRK does with TRANS = 'T' to whole matrices. Collective. A is dealt out anew, in a
- * copy; the result depends, by rounding, on the number of ranks and on how A is dealt out.
+ * them; what PDSYRK does with TRANS = 'T' to whole matrices. Collective. A copy of A is
+ * redistributed; the rounding depends on the number of ranks and on the layout of A.
  * - `uplo`, `alpha`, `beta`: as in cata_ata_f64; with CATA_BOTH and beta != 0 C must be
  *   symmetric.
  * - `a`: A's entries on this rank: column-major, with leading dimension LLD_ of `desc_a`.

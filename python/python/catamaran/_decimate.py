@@ -110,7 +110,7 @@ def decimate(
     n : int
         Vertices of the result.
     method : {"uniform", "thesis"}
-        "thesis" is the algorithm of the thesis to the letter, not a manifold in general.
+        "thesis" is the algorithm as the thesis states it; its result is not always a manifold.
     resample : bool
         Whether edges longer than those of the result are split first.
     lloyd, relaxation : int
