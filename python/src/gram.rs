@@ -290,8 +290,9 @@ fn of_rows(error: Error) -> Error {
 /// A factor: its name, its levels in the order of their codes, and whether the order stays.
 type Coded = (String, Vec<String>, bool);
 
-/// Computes least squares of a table: columns of A, then codes of factors, NaN where one is missing.
-/// Returns also the names of the columns that factors become, and the rows that are left out.
+/// Computes least squares of a table: columns of A, then codes of factors, NaN where one is
+/// missing. Returns also the names of the columns that factors become, and the rows that are left
+/// out.
 #[pyfunction]
 #[pyo3(signature = (a, codes, factors, b, weights, drop, options, progress))]
 pub fn lstsq_table<'py>(

@@ -408,8 +408,8 @@ impl Backend for Cblas {
     fn single_threaded(&self) -> ThreadGuard {
         ThreadGuard(match self.threading {
             Threading::MklLocal(set) => {
-                // SAFETY: `set` was found with this signature when the library was loaded, and takes
-                // any count.
+                // SAFETY: `set` was found with this signature when the library was loaded, and
+                // takes any count.
                 let before = unsafe { set(1) };
                 Some(Box::new(move || {
                     // SAFETY: as above; `before` is a count that `set` returned.

@@ -47,8 +47,8 @@ impl Graph {
         self.packages.values().filter(ours).collect()
     }
 
-    /// Returns ours and all packages that they depend on, by dependencies of the kinds that `follow`
-    /// allows: `None` for normal ones, `build`, `dev`.
+    /// Returns ours and all packages that they depend on, by dependencies of the kinds that
+    /// `follow` allows: `None` for normal ones, `build`, `dev`.
     pub fn reached(&self, follow: impl Fn(&Value, Option<&str>) -> bool) -> Vec<&Value> {
         let mut waiting: Vec<String> = self.ours().iter().map(|p| text(p, "id")).collect();
         let mut seen = HashSet::new();
