@@ -210,7 +210,7 @@ void cata_backend_free(cata_backend *backend); /**< Frees a back end. */
 #define CATA_SCHEME_WINOGRAD 3 /**< `scheme`: 2 x 2 over Winograd's variant of Strassen's. */
 #define CATA_SCHEME_RXTX 4 /**< `scheme`: RXTX (4 x 4 blocks) over Winograd's variant. */
 #define CATA_SCHEME_KGP4 5 /**< `scheme`: 4 x 4 of Khoruzhii, Gelss and Pokutta. */
-#define CATA_SCHEME_KGP3 6 /**< `scheme`: their 3 x 3. */
+#define CATA_SCHEME_KGP3 6 /**< `scheme`: 3 x 3 of Khoruzhii, Gelss and Pokutta. */
 
 /** `scheme`: integer products modulo small coprime numbers: nothing is rounded but the columns, to
  * about 2^-54 of their norms (float: 2^-27), and the result. */
@@ -1147,11 +1147,12 @@ cata_status cata_ortho_gram_schmidt(int32_t layout, size_t n, size_t c, double *
     const cata_ortho_params *params);
 
 /** Factorizes A (n x c) = Q R with Q^T M Q = I, in place, by shifted Cholesky QR: about half the
- * work of cata_ortho_gram_schmidt, for independent columns. Others are CATA_ERR_ARGUMENT, which
- * leaves A unspecified, as the errors there do. (cata_gram_cholesky_qr: from a Gram matrix in
- * extended precision.)
- * - `a`, `masses`: as there; A becomes Q.
- * - `r`: c x c, written: R, upper triangular with a positive diagonal; NULL as there.
+ * work of cata_ortho_gram_schmidt, for independent columns. Dependent columns are
+ * CATA_ERR_ARGUMENT. A is unspecified after an error. cata_gram_cholesky_qr does the same from a
+ * Gram matrix in extended precision.
+ * - `a`, `masses`: as in cata_ortho_gram_schmidt; A becomes Q.
+ * - `r`: c x c, written: R, upper triangular with a positive diagonal. NULL where not wanted;
+ *   `ldr` is then ignored.
  * - `params`: `threads` and `progress` are used. */
 cata_status cata_ortho_cholesky_qr(int32_t layout, size_t n, size_t c, double *a, size_t lda,
     const double *masses, double *r, size_t ldr, const cata_ortho_params *params);
