@@ -120,7 +120,7 @@ cata_status cata_memory_release(void);
 
 /** Ends the threads that the library keeps between calls, and waits until they have ended.
  *
- * Later calls start threads anew. A call that runs at the same time keeps its threads until it
+ * Later calls start new threads. A call that runs at the same time keeps its threads until it
  * returns. */
 cata_status cata_threads_release(void);
 
@@ -210,7 +210,7 @@ void cata_backend_free(cata_backend *backend); /**< Frees a back end. */
 #define CATA_SCHEME_WINOGRAD 3 /**< `scheme`: 2 x 2 over Winograd's variant of Strassen's. */
 #define CATA_SCHEME_RXTX 4 /**< `scheme`: RXTX (4 x 4 blocks) over Winograd's variant. */
 #define CATA_SCHEME_KGP4 5 /**< `scheme`: 4 x 4 of Khoruzhii, Gelss and Pokutta. */
-#define CATA_SCHEME_KGP3 6 /**< `scheme`: their 3 x 3. */
+#define CATA_SCHEME_KGP3 6 /**< `scheme`: 3 x 3 of Khoruzhii, Gelss and Pokutta. */
 
 /** `scheme`: integer products modulo small coprime numbers: nothing is rounded but the columns, to
  * about 2^-54 of their norms (float: 2^-27), and the result. */
@@ -1147,11 +1147,12 @@ cata_status cata_ortho_gram_schmidt(int32_t layout, size_t n, size_t c, double *
     const cata_ortho_params *params);
 
 /** Factorizes A (n x c) = Q R with Q^T M Q = I, in place, by shifted Cholesky QR: about half the
- * work of cata_ortho_gram_schmidt, for independent columns. Others are CATA_ERR_ARGUMENT, which
- * leaves A unspecified, as the errors there do. (cata_gram_cholesky_qr: from a Gram matrix in
- * extended precision.)
- * - `a`, `masses`: as there; A becomes Q.
- * - `r`: c x c, written: R, upper triangular with a positive diagonal; NULL as there.
+ * work of cata_ortho_gram_schmidt, for independent columns. Dependent columns are
+ * CATA_ERR_ARGUMENT. A is unspecified after an error. cata_gram_cholesky_qr does the same from a
+ * Gram matrix in extended precision.
+ * - `a`, `masses`: as in cata_ortho_gram_schmidt; A becomes Q.
+ * - `r`: c x c, written: R, upper triangular with a positive diagonal. NULL where not wanted;
+ *   `ldr` is then ignored.
  * - `params`: `threads` and `progress` are used. */
 cata_status cata_ortho_cholesky_qr(int32_t layout, size_t n, size_t c, double *a, size_t lda,
     const double *masses, double *r, size_t ldr, const cata_ortho_params *params);
@@ -2390,7 +2391,7 @@ cata_status cata_map_fit_functions(cata_map_fit *fit, int32_t layout, size_t cou
     size_t ldf, const double *g, size_t ldg);
 
 /** Adds that C commutes with multiplications by such functions, with this weight; 0.1 is usual.
- * A function says far more of the map that way. */
+ * A function constrains the map far more in this way. */
 cata_status cata_map_fit_operators(cata_map_fit *fit, int32_t layout, size_t count, const double *f,
     size_t ldf, const double *g, size_t ldg, double weight);
 
@@ -2902,7 +2903,7 @@ cata_status cata_plant_wilt(const cata_plant *plant, const cata_plant_rods *rods
  * @{
  */
 
-#define CATA_SLIME_TURNS_RANDOM 0 /**< `turns`: by chance, up to the turn speed. */
+#define CATA_SLIME_TURNS_RANDOM 0 /**< `turns`: at random, up to the turn speed. */
 #define CATA_SLIME_TURNS_EVEN 1 /**< `turns`: always at the turn speed. */
 #define CATA_SLIME_BLUR_SURFACE 0 /**< `blur`: over the surface, across seams. */
 #define CATA_SLIME_BLUR_TEXTURE 1 /**< `blur`: of the texture alone. */
@@ -3194,8 +3195,8 @@ cata_status cata_world_ata_root(const cata_world *world, size_t root, int32_t la
     size_t ldc, const cata_ata_params *params);
 
 /** Computes C := alpha A^T A + beta C for block-cyclic A, m x n, and C, n x n, as ScaLAPACK has
- * them; what PDSYRK does with TRANS = 'T' to whole matrices. Collective. A is dealt out anew, in a
- * copy; the result depends, by rounding, on the number of ranks and on how A is dealt out.
+ * them; what PDSYRK does with TRANS = 'T' to whole matrices. Collective. A copy of A is
+ * redistributed; the rounding depends on the number of ranks and on the layout of A.
  * - `uplo`, `alpha`, `beta`: as in cata_ata_f64; with CATA_BOTH and beta != 0 C must be
  *   symmetric.
  * - `a`: A's entries on this rank: column-major, with leading dimension LLD_ of `desc_a`.

@@ -175,7 +175,7 @@ impl Rival {
 
     /// Sets the threads of the library's next calls.
     pub fn set_threads(&self, threads: usize) {
-        // SAFETY: takes any positive count.
+        // SAFETY: the symbol has been found with this signature, and takes any positive count.
         unsafe {
             match self.set_threads {
                 SetThreads::Int(set) => set(threads as c_int),
@@ -190,7 +190,7 @@ impl Rival {
 /// # Safety
 /// `T` must be the pointer type of that symbol.
 unsafe fn symbol<T: Copy>(library: &Library, name: &str) -> Option<T> {
-    // SAFETY: passed on to the caller.
+    // SAFETY: `T` is the pointer type of the symbol, by the contract; it is only copied.
     unsafe { library.get::<T>(name.as_bytes()) }.ok().map(|s| *s)
 }
 

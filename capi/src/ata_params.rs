@@ -19,7 +19,7 @@ pub const CATA_SCHEME_WINOGRAD: i32 = 3;
 pub const CATA_SCHEME_RXTX: i32 = 4;
 /// `scheme`: 4 x 4 of Khoruzhii, Gelss and Pokutta.
 pub const CATA_SCHEME_KGP4: i32 = 5;
-/// `scheme`: their 3 x 3.
+/// `scheme`: 3 x 3 of Khoruzhii, Gelss and Pokutta.
 pub const CATA_SCHEME_KGP3: i32 = 6;
 /// `scheme`: integer products modulo small coprime numbers: nothing is rounded but the columns, to
 /// about 2^-54 of their norms (float: 2^-27), and the result.

@@ -87,7 +87,7 @@ pub unsafe extern "C" fn cata_map_fit_functions(
 }
 
 /// Adds that C commutes with multiplications by such functions, with this weight; 0.1 is usual.
-/// A function says far more of the map that way.
+/// A function constrains the map far more in this way.
 ///
 /// # Safety
 /// The pointers are as described.

@@ -13,7 +13,7 @@ pub extern "C" fn cata_memory_release() -> cata_status {
 
 /// Ends the threads that the library keeps between calls, and waits until they have ended.
 ///
-/// Later calls start threads anew. A call that runs at the same time keeps its threads until it
+/// Later calls start new threads. A call that runs at the same time keeps its threads until it
 /// returns.
 #[unsafe(no_mangle)]
 pub extern "C" fn cata_threads_release() -> cata_status {

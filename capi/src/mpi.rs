@@ -302,8 +302,8 @@ pub unsafe extern "C" fn cata_world_ata_root(
 }
 
 /// Computes C := alpha A^T A + beta C for block-cyclic A, m x n, and C, n x n, as ScaLAPACK has
-/// them; what PDSYRK does with TRANS = 'T' to whole matrices. Collective. A is dealt out anew, in a
-/// copy; the result depends, by rounding, on the number of ranks and on how A is dealt out.
+/// them; what PDSYRK does with TRANS = 'T' to whole matrices. Collective. A copy of A is
+/// redistributed; the rounding depends on the number of ranks and on the layout of A.
 ///
 /// - `uplo`, `alpha`, `beta`: as in cata_ata_f64; with CATA_BOTH and beta != 0 C must be
 ///   symmetric.

@@ -103,12 +103,13 @@ pub unsafe extern "C" fn cata_ortho_gram_schmidt(
 }
 
 /// Factorizes A (n x c) = Q R with Q^T M Q = I, in place, by shifted Cholesky QR: about half the
-/// work of cata_ortho_gram_schmidt, for independent columns. Others are CATA_ERR_ARGUMENT, which
-/// leaves A unspecified, as the errors there do. (cata_gram_cholesky_qr: from a Gram matrix in
-/// extended precision.)
+/// work of cata_ortho_gram_schmidt, for independent columns. Dependent columns are
+/// CATA_ERR_ARGUMENT. A is unspecified after an error. cata_gram_cholesky_qr does the same from a
+/// Gram matrix in extended precision.
 ///
-/// - `a`, `masses`: as there; A becomes Q.
-/// - `r`: c x c, written: R, upper triangular with a positive diagonal; NULL as there.
+/// - `a`, `masses`: as in cata_ortho_gram_schmidt; A becomes Q.
+/// - `r`: c x c, written: R, upper triangular with a positive diagonal. NULL where not wanted;
+///   `ldr` is then ignored.
 /// - `params`: `threads` and `progress` are used.
 ///
 /// # Safety

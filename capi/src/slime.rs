@@ -31,7 +31,7 @@ use catamaran_simulation::texture::slime::{
     Blur, Coverage, Mask, Options, Simulation, Surface, TangentStep, atlas,
 };
 
-/// `turns`: by chance, up to the turn speed.
+/// `turns`: at random, up to the turn speed.
 pub const CATA_SLIME_TURNS_RANDOM: i32 = 0;
 /// `turns`: always at the turn speed.
 pub const CATA_SLIME_TURNS_EVEN: i32 = 1;

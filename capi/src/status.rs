@@ -97,18 +97,19 @@ impl Failure {
         Self { status, message: message.into() }
     }
 
-    /// The failure of a value that an argument, or a field, may not have.
+    /// Returns the failure of a value that an argument, or a field, may not have.
     pub(super) fn argument(what: &str, must_be: impl Display, is: impl Display) -> Self {
         Self::new(CATA_ERR_ARGUMENT, format!("{what}: must be {must_be}, is {is}"))
     }
 
-    /// The failure of a number of one of `count` things, named `things`, that has to be less.
+    /// Returns the failure of a number of one of `count` things, named `things`, that has to be
+    /// less.
     #[cfg(feature = "chapters")]
     pub(super) fn beyond(what: &str, count: usize, things: &str, is: impl Display) -> Self {
         Self::argument(what, format!("less than {count} ({things})"), is)
     }
 
-    /// The same failure, of one of several things whose arguments have the same names.
+    /// Returns the same failure, of one of several things whose arguments have the same names.
     #[cfg(feature = "chapters")]
     pub(super) fn of(self, what: &str) -> Self {
         Self::new(self.status, format!("{what}: {}", self.message))
@@ -118,7 +119,8 @@ impl Failure {
         Self::new(CATA_ERR_NULL, format!("{what}: must not be NULL"))
     }
 
-    /// The failure of a call that needs a feature, with the option of CMake that builds it in.
+    /// Returns the failure of a call that needs a feature, with the option of CMake that builds it
+    /// in.
     #[cfg(not(all(feature = "mpi", feature = "openblas", feature = "opencl")))]
     pub(super) fn absent(feature: &str) -> Self {
         let option = feature.to_uppercase();

@@ -18,7 +18,7 @@ use anyhow::{Result, bail};
 use catamaran::io::try_discard_unfinished;
 
 /// How long an abort waits for a thread that is just creating or committing an output. The aborting
-/// thread may be that thread, and then the wait is in vain.
+/// thread may be that thread: it then waits without effect.
 const PATIENCE: Duration = Duration::from_millis(200);
 
 /// What `libc` has under these names on POSIX systems only.

@@ -8,17 +8,17 @@ use catamaran::io::{ReadOptions, SourceOptions};
 /// Bytes that a file may take: far below what the fuzzer counts as a finding.
 const MEMORY: u64 = 64 << 20;
 
-/// How matrices are read.
+/// Returns the options with which matrices are read.
 pub fn matrix_options<'a>() -> ReadOptions<'a> {
     ReadOptions::new().max_memory(MEMORY)
 }
 
-/// How all other files are read.
+/// Returns the options with which all other files are read.
 pub fn source_options<'a>() -> SourceOptions<'a> {
     SourceOptions::new().max_memory(MEMORY)
 }
 
-/// A file of these bytes in memory, which lasts until the next of its name.
+/// Writes a file of these bytes in memory, which lasts until the next of its name.
 ///
 /// # Panics
 /// When it can't be written.

@@ -21,7 +21,7 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     }
 });
 
-/// With a checksum that holds, which no fuzzer finds.
+/// Returns the bytes as an array of an archive whose checksum holds, which no fuzzer finds.
 fn archive(content: &[u8]) -> Vec<u8> {
     let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
     let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);

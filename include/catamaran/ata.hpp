@@ -332,7 +332,7 @@ verification verify(double alpha, matrix_view<T> a, matrix_view<T> c, uplo part 
     return verify<S>(alpha, matrix_view<const S>(a), matrix_view<const S>(c), part, rounds, seed);
 }
 
-/// A sparse matrix by rows that somebody else owns: the entries of row i are those from
+/// A view of a sparse matrix by rows, which owns no memory: the entries of row i are those from
 /// `row_starts[i]` to `row_starts[i + 1] - 1`.
 struct sparse_view {
     /// Number of rows.

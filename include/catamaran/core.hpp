@@ -239,7 +239,7 @@ private:
 }  // namespace detail
 
 /// Ends the threads that the library keeps between calls, and waits until they have ended; later
-/// calls start threads anew. A call that runs at the same time keeps its threads until it returns.
+/// calls start new threads. A call that runs at the same time keeps its threads until it returns.
 inline void release_threads() { detail::check(cata_threads_release()); }
 
 }  // namespace catamaran

@@ -161,7 +161,7 @@ public:
         return found;
     }
 
-    /// A plant of n >= 1 nodes that grows by chance, the same for the same seed.
+    /// A plant of n >= 1 nodes that grows at random, the same for the same seed.
     static plant grow(std::size_t n, std::uint64_t seed, const plant_options& how = {}) {
         plant grown(how.progress);
         grown.make(how, [&](auto params, auto out) { return cata_plant_grow(n, seed, params, out); });

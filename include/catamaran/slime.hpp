@@ -60,7 +60,7 @@ struct slime_options {
     double evaporation_rate = 0.0;
     /// Blurs a second; 0: 6.
     double diffusion_rate = 0.0;
-    /// random: by chance, up to turn_speed; even: always at turn_speed.
+    /// random: at random, up to turn_speed; even: always at turn_speed.
     slime_turns turns = slime_turns::random;
     /// surface: across seams; texture: of the texture alone.
     slime_blur blur = slime_blur::surface;

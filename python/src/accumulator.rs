@@ -159,7 +159,7 @@ fn is_single(rows: &Bound<'_, PyUntypedArray>) -> bool {
     kind.kind() == b'f' && kind.itemsize() == 4
 }
 
-/// A copy, bit for bit.
+/// Returns a copy, bit for bit.
 fn copy<T: BlasReal>(sum: &Sum<T>) -> PyResult<Sum<T>> {
     let mut bytes = Vec::new();
     sum.write(&mut bytes)?;
@@ -320,7 +320,7 @@ impl Accumulator {
         self.valid(py)?.result(py, alpha, part)
     }
 
-    /// The covariance matrix; weight and sums are of the same rows.
+    /// Returns the covariance matrix; weight and sums are of the same rows.
     fn _cov<'py>(&self, py: Python<'py>, ddof: f64) -> PyResult<Bound<'py, PyAny>> {
         let _nearest = FloatEnv::nearest();
         let state = self.valid(py)?;
@@ -337,7 +337,7 @@ impl Accumulator {
         state.result(py, 1.0 / freedom, Uplo::Both)
     }
 
-    /// The three parts of C, lower triangles, and whether the sums are exact.
+    /// Returns the three parts of C, lower triangles, and whether the sums are exact.
     #[pyo3(signature = (threads))]
     fn _extended<'py>(
         &self,
@@ -467,7 +467,7 @@ impl Accumulator {
     }
 }
 
-/// alpha C of sums, which stay as they are.
+/// Returns alpha C of sums, which stay as they are.
 fn finished<'py, T: Scalar + BlasReal>(
     py: Python<'py>,
     sum: &Sum<T>,
@@ -480,7 +480,7 @@ fn finished<'py, T: Scalar + BlasReal>(
     Ok(filled(array, c).into_any())
 }
 
-/// A copy of a matrix in an array.
+/// Returns a copy of a matrix in an array.
 fn filled<'py, T: Scalar>(
     mut array: Array<'py, T>,
     matrix: catamaran::faer::MatRef<'_, T>,
@@ -494,7 +494,7 @@ fn filled<'py, T: Scalar>(
     array
 }
 
-/// A new accumulator; `kind` is 0 (float), 1 (exact) or 2 (extended).
+/// Returns a new accumulator; `kind` is 0 (float), 1 (exact) or 2 (extended).
 fn make<T: Scalar + BlasReal>(
     columns: usize,
     center: bool,

@@ -39,7 +39,7 @@ pub struct Array<'py, T> {
     layout: Layout,
 }
 
-/// The module `numpy`.
+/// Returns the module `numpy`.
 fn numpy<'py>(py: Python<'py>) -> PyResult<&'py Bound<'py, PyAny>> {
     static NUMPY: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let module =
@@ -47,8 +47,8 @@ fn numpy<'py>(py: Python<'py>) -> PyResult<&'py Bound<'py, PyAny>> {
     Ok(module.bind(py))
 }
 
-/// What `numpy.asarray` or `numpy.from_dlpack` makes of an object: the object itself if it is an
-/// array. Masked entries, whose values mean nothing, are refused.
+/// Returns what `numpy.asarray` or `numpy.from_dlpack` makes of an object: the object itself if it
+/// is an array. Masked entries, whose values mean nothing, are refused.
 pub fn untyped<'py>(
     name: &str,
     object: &Bound<'py, PyAny>,
@@ -74,7 +74,7 @@ pub fn untyped<'py>(
     Ok(numpy(py)?.call_method1(make, (object,))?.cast_into()?)
 }
 
-/// Whether the elements are a T as it is in memory.
+/// Returns whether the elements are a T as it is in memory.
 fn is_of<T: Scalar>(array: &Bound<'_, PyUntypedArray>) -> bool {
     let kind = array.dtype();
     // 'l' and 'q' have different numbers and the same size.
@@ -84,13 +84,14 @@ fn is_of<T: Scalar>(array: &Bound<'_, PyUntypedArray>) -> bool {
     same && kind.byteorder() != b'>' && cfg!(target_endian = "little")
 }
 
-/// The flags of numpy.
+/// Returns the flags of numpy.
 fn has_flag(array: &Bound<'_, PyUntypedArray>, flag: i32) -> bool {
     // SAFETY: the object is a numpy array, whose header is read while the interpreter is held.
     unsafe { (*array.as_array_ptr()).fields.flags & flag != 0 }
 }
 
-/// Rows, columns and strides in elements of type T; `None` where an element would not be aligned.
+/// Returns rows, columns and strides in elements of type T; `None` where an element would not be
+/// aligned.
 fn layout<T>(array: &Bound<'_, PyUntypedArray>) -> Option<Layout> {
     let size = size_of::<T>() as isize;
     let (mut shape, mut strides) = ([1, 1], [0, 0]);
@@ -107,8 +108,8 @@ fn layout<T>(array: &Bound<'_, PyUntypedArray>) -> Option<Layout> {
 }
 
 impl<'py, T: Scalar> Array<'py, T> {
-    /// A view of an array, or of a copy where numbers must be converted. `name` is that of the
-    /// argument, in errors; `dimensions` are those that are allowed.
+    /// Returns a view of an array, or of a copy where numbers must be converted. `name` is that of
+    /// the argument, in errors; `dimensions` are those that are allowed.
     pub fn new(name: &str, object: &Bound<'py, PyAny>, dimensions: &[usize]) -> PyResult<Self> {
         let mut array = untyped(name, object)?;
         let found = array.ndim();
@@ -141,7 +142,7 @@ impl<'py, T: Scalar> Array<'py, T> {
         Self { array, data, layout }
     }
 
-    /// The array that the caller gives for a result: of this shape, nothing converted.
+    /// Returns the array that the caller gives for a result: of this shape, nothing converted.
     pub fn output(name: &str, object: &Bound<'py, PyAny>, shape: [usize; 2]) -> PyResult<Self> {
         let refuse = |why: String| Err(PyValueError::new_err(format!("{name}: {why}")));
         let Ok(array) = object.cast::<PyUntypedArray>() else {
@@ -167,7 +168,7 @@ impl<'py, T: Scalar> Array<'py, T> {
         Ok(Self::of(array.clone(), layout))
     }
 
-    /// The matrix; a vector is a column.
+    /// Returns the matrix; a vector is a column.
     pub fn view(&self) -> MatRef<'_, T> {
         let Layout { shape: [m, n], strides: [row, column] } = self.layout;
         // SAFETY: numpy vouches for the memory between its first and its last element, and the
@@ -175,7 +176,7 @@ impl<'py, T: Scalar> Array<'py, T> {
         unsafe { MatRef::from_raw_parts(self.data.as_ptr(), m, n, row, column) }
     }
 
-    /// The matrix of [`Array::output`].
+    /// Returns the matrix of [`Array::output`].
     pub fn view_mut(&mut self) -> MatMut<'_, T> {
         let Layout { shape: [m, n], strides: [row, column] } = self.layout;
         // SAFETY: as in `view`; the array is writeable and its elements are distinct, as `output`
@@ -183,7 +184,7 @@ impl<'py, T: Scalar> Array<'py, T> {
         unsafe { MatMut::from_raw_parts_mut(self.data.as_ptr(), m, n, row, column) }
     }
 
-    /// The elements of a vector one after the other, copied unless they are so in memory.
+    /// Returns the elements of a vector one after the other, copied unless they are so in memory.
     pub fn entries(&self) -> Cow<'_, [T]> {
         let view = self.view();
         if self.layout.strides[0] == 1 || view.nrows() <= 1 {
@@ -201,7 +202,7 @@ impl<'py, T: Scalar> Array<'py, T> {
         (m, n)
     }
 
-    /// The array, to return it.
+    /// Returns the array, to return it.
     pub fn into_any(self) -> Bound<'py, PyAny> {
         self.array.into_any()
     }
@@ -217,7 +218,7 @@ impl<'py, T: Scalar> Array<'py, T> {
     }
 }
 
-/// A copy with elements of type T, where numpy converts them without loss of kind.
+/// Returns a copy with elements of type T, where numpy converts them without loss of kind.
 fn converted<'py, T: Scalar>(
     name: &str,
     array: &Bound<'py, PyUntypedArray>,
@@ -236,7 +237,7 @@ fn converted<'py, T: Scalar>(
     Ok(array.call_method1(intern!(py, "astype"), (wanted,))?.cast_into()?)
 }
 
-/// Whether two elements may be at one place.
+/// Returns whether two elements may be at one place.
 fn overlaps_itself(layout: &Layout) -> bool {
     let Layout { shape, strides } = layout;
     let mut axes: Vec<_> = (0..2)
@@ -252,7 +253,8 @@ fn overlaps_itself(layout: &Layout) -> bool {
     })
 }
 
-/// A new array of zeros, in C order. That there is not enough memory is numpy's `MemoryError`.
+/// Returns a new array of zeros, in C order. That there is not enough memory is numpy's
+/// `MemoryError`.
 pub fn zeros<'py, T: Scalar>(py: Python<'py>, shape: [usize; 2]) -> PyResult<Array<'py, T>> {
     let shape = (shape[0], shape[1]);
     let found = numpy(py)?.call_method1(intern!(py, "zeros"), (shape, numpy::dtype::<T>(py)))?;
@@ -261,7 +263,7 @@ pub fn zeros<'py, T: Scalar>(py: Python<'py>, shape: [usize; 2]) -> PyResult<Arr
     Ok(Array::of(array, layout))
 }
 
-/// A new array of a matrix, in Fortran order, as the library holds it.
+/// Returns a new array of a matrix, in Fortran order, as the library holds it.
 pub fn from_matrix<'py>(
     py: Python<'py>,
     matrix: MatRef<'_, f64>,
@@ -284,12 +286,12 @@ pub fn from_matrix<'py>(
     Ok(array)
 }
 
-/// A new vector.
+/// Returns a new vector.
 pub fn from_vec<T: numpy::Element>(py: Python<'_>, values: Vec<T>) -> Bound<'_, PyArray1<T>> {
     PyArray1::from_vec(py, values)
 }
 
-/// A new array with a row for each of the values.
+/// Returns a new array with a row for each of the values.
 pub fn from_rows<T: numpy::Element, const N: usize>(
     py: Python<'_>,
     rows: Vec<[T; N]>,

@@ -35,7 +35,7 @@ struct Call<'a, 'py> {
 }
 
 impl<'py> Call<'_, 'py> {
-    /// Where the result goes.
+    /// Returns where the result goes.
     fn output<T: Scalar>(&self, py: Python<'py>, shape: [usize; 2]) -> PyResult<Array<'py, T>> {
         match self.out {
             Some(out) => Array::output("out", out, shape),
@@ -53,8 +53,8 @@ impl<'py> Call<'_, 'py> {
     }
 }
 
-/// The product; see `catamaran.ata`. `center` is None, True for the mean, or a row. `wide` asks for
-/// an f64 result of f32 rows.
+/// Returns the product; see `catamaran.ata`. `center` is None, True for the mean, or a row. `wide`
+/// asks for an f64 result of f32 rows.
 #[pyfunction]
 #[pyo3(signature = (a, b, weights, center, out, alpha, beta, products, wide, progress))]
 pub fn ata<'py>(
@@ -119,7 +119,7 @@ pub fn ata<'py>(
     }
 }
 
-/// A real product.
+/// Returns a real product.
 fn real<'py, T>(
     py: Python<'py>,
     a: &Bound<'py, PyAny>,
@@ -161,7 +161,7 @@ where
     Ok(c.into_any())
 }
 
-/// The products of a stack of matrices, count x m x n: a stack, count x n x n.
+/// Returns the products of a stack of matrices, count x m x n: a stack, count x n x n.
 fn stack<'py, T>(
     py: Python<'py>,
     a: &Bound<'py, PyAny>,
@@ -221,7 +221,7 @@ impl<'py, T: Scalar + BlasReal> About<'py, T> {
         })
     }
 
-    /// The entries of the weights and of the row.
+    /// Returns the entries of the weights and of the row.
     pub fn entries(&self) -> [Option<Cow<'_, [T]>>; 2] {
         [&self.weights, &self.row].map(|array| array.as_ref().map(Array::entries))
     }
@@ -237,7 +237,7 @@ impl<'py, T: Scalar + BlasReal> About<'py, T> {
     }
 }
 
-/// The product of weighted or centred rows of S, with a result of T.
+/// Returns the product of weighted or centred rows of S, with a result of T.
 fn rows<'py, S, T>(
     py: Python<'py>,
     a: &Bound<'py, PyAny>,
@@ -258,7 +258,7 @@ where
     of_rows(py, &mut DenseRows(a.view()), &about, c, call)
 }
 
-/// The product of rows, weighted or centred, in `c`.
+/// Returns the product of rows, weighted or centred, in `c`.
 fn of_rows<'py, T>(
     py: Python<'py>,
     a: &mut (dyn RowBlocks<T> + Send),
@@ -282,7 +282,7 @@ where
     Ok(c.into_any())
 }
 
-/// A complex product.
+/// Returns a complex product.
 fn hermitian<'py, T>(
     py: Python<'py>,
     a: &Bound<'py, PyAny>,
@@ -322,8 +322,8 @@ where
     Ok(c.into_any())
 }
 
-/// A^T A of a sparse matrix by rows; see `catamaran.ata`. Centred rows are not sparse: they are
-/// filled up block by block.
+/// Returns A^T A of a sparse matrix by rows; see `catamaran.ata`. Centred rows are not sparse: they
+/// are filled up block by block.
 #[pyfunction]
 #[pyo3(signature = (a, weights, center, out, alpha, beta, products, progress))]
 pub fn ata_sparse<'py>(

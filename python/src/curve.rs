@@ -70,7 +70,7 @@ fn found(
     Ok((all.outcome.to_string(), all.outcome.is_complete(), entries, left_out, outliers))
 }
 
-/// See `catamaran.curve`.
+/// Implements `catamaran.curve`.
 #[pyfunction]
 #[pyo3(signature = (v, f, samples, how, smooth, progress))]
 pub fn curve<'py>(
@@ -96,7 +96,8 @@ pub fn curve<'py>(
     found(py, all, on_faces)
 }
 
-/// A mesh with curves along its edges, and what was found of each layer; see `catamaran.draw`.
+/// Returns a mesh with curves along its edges, and what was found of each layer; see
+/// `catamaran.draw`.
 #[pyfunction]
 #[pyo3(signature = (v, f, layers, smooth, progress))]
 pub fn draw<'py>(

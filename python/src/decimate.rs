@@ -40,7 +40,7 @@ enum Size {
     Within(f64),
 }
 
-/// See `catamaran.decimate`.
+/// Implements `catamaran.decimate`.
 #[pyfunction]
 #[pyo3(signature = (v, f, n, error, how, progress))]
 pub fn decimate<'py>(
@@ -88,7 +88,7 @@ pub fn decimate<'py>(
     Ok((v, f, of_faces, inside, parts(py, weights), lost))
 }
 
-/// Samples, the nearest sample of each vertex (-1 without), and its distance; see
+/// Returns samples, the nearest sample of each vertex (-1 without), and its distance; see
 /// `catamaran.farthest_points`.
 #[pyfunction]
 #[pyo3(signature = (v, f, n, first, progress))]

@@ -37,8 +37,8 @@ fn sites(
     Ok(points.map(|(face, weights)| Site::Face(SurfacePoint { face, weights })).collect())
 }
 
-/// The distance of each vertex from the nearest source, by the heat method, exactly or along edges;
-/// see `catamaran.distances`.
+/// Returns the distance of each vertex from the nearest source, by the heat method, exactly or
+/// along edges; see `catamaran.distances`.
 #[pyfunction]
 #[pyo3(signature = (v, f, sources, weights, method, time, kind, threads, progress))]
 pub fn distances<'py>(
@@ -80,7 +80,8 @@ pub fn distances<'py>(
     Ok(from_vec(py, found).into_any())
 }
 
-/// The shortest path along edges between two vertices: its vertices, their positions, its length.
+/// Returns the shortest path along edges between two vertices: its vertices, their positions, its
+/// length.
 #[pyfunction]
 #[pyo3(signature = (v, f, start, end))]
 pub fn shortest_path<'py>(
@@ -122,7 +123,7 @@ fn geodesic(
     Ok((positions, faces, from_rows(py, weights)?.into_any(), path.length))
 }
 
-/// The shortest path over faces through points; see `catamaran.geodesic_path`.
+/// Returns the shortest path over faces through points; see `catamaran.geodesic_path`.
 #[pyfunction]
 #[pyo3(signature = (v, f, through, weights, progress))]
 pub fn geodesic_path<'py>(
@@ -142,7 +143,7 @@ pub fn geodesic_path<'py>(
     geodesic(py, path, positions)
 }
 
-/// The geodesic from a point in a direction, how it ends, and its direction there; see
+/// Returns the geodesic from a point in a direction, how it ends, and its direction there; see
 /// `catamaran.trace_geodesic`.
 #[pyfunction]
 #[pyo3(signature = (v, f, start, direction, length, weights, progress))]

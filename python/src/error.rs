@@ -8,9 +8,9 @@ use catamaran::Error;
 use pyo3::exceptions::{PyMemoryError, PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 
-/// The exception for an error: `ValueError` for arguments and meshes, `OSError` (or what Python
-/// has for the cause, such as `FileNotFoundError`) for files, `MemoryError`, and `RuntimeError`;
-/// the exception itself for an error of [`raised`].
+/// Returns the exception for an error: `ValueError` for arguments and meshes, `OSError` (or what
+/// Python has for the cause, such as `FileNotFoundError`) for files, `MemoryError`, and
+/// `RuntimeError`; the exception itself for an error of [`raised`].
 pub fn exception(error: Error) -> PyErr {
     if let Some(raised) = error.source().and_then(|cause| cause.downcast_ref::<PyErr>()) {
         return Python::attach(|py| raised.clone_ref(py));
@@ -30,13 +30,13 @@ pub fn exception(error: Error) -> PyErr {
     }
 }
 
-/// An exception of code that the library calls back, as an error of the library.
+/// Turns an exception of code that the library calls back into an error of the library.
 pub fn raised(error: PyErr) -> Error {
     let what = error.to_string();
     Error::Io { path: "Python".into(), line: None, what, cause: Some(error.into()) }
 }
 
-/// The exception for a panic, which is a bug of the library.
+/// Returns the exception for a panic, which is a bug of the library.
 pub fn of_panic(payload: Box<dyn Any + Send>) -> PyErr {
     let text = payload
         .downcast_ref::<String>()
@@ -49,7 +49,7 @@ pub fn of_panic(payload: Box<dyn Any + Send>) -> PyErr {
     PyRuntimeError::new_err(message)
 }
 
-/// `ValueError` with a name and a sentence.
+/// Returns a `ValueError` with a name and a sentence.
 pub fn refused(name: &str, why: impl std::fmt::Display) -> PyErr {
     PyValueError::new_err(format!("{name}: {why}"))
 }

@@ -27,8 +27,8 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// The frame that an object is; `None` for arrays, and for what is one without a copy. `name`
-    /// is that of the argument, in errors.
+    /// Returns the frame that an object is; `None` for arrays, and for what is one without a copy.
+    /// `name` is that of the argument, in errors.
     pub fn of(name: &'static str, object: &Bound<'_, PyAny>) -> PyResult<Option<Self>> {
         if object.cast::<PyUntypedArray>().is_ok() {
             return Ok(None);
@@ -44,7 +44,7 @@ impl Frame {
         Ok(Some(Self { frame: found.unbind(), name, shape, is_single }))
     }
 
-    /// All rows as an array.
+    /// Returns all rows as an array.
     pub fn whole<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyUntypedArray>> {
         let rows = self.frame.bind(py).call_method1(intern!(py, "rows"), (0, self.shape.0))?;
         Ok(rows.cast_into()?)
@@ -55,7 +55,7 @@ impl Frame {
         self.shape
     }
 
-    /// Whether the rows are more than a block.
+    /// Returns whether the rows are more than a block.
     pub fn is_large(&self) -> bool {
         self.shape.0 > block_rows::<f64>(self.shape.1, false)
     }
@@ -83,7 +83,7 @@ impl Frame {
     }
 }
 
-/// An object as an array: a frame as a whole, anything else as [`untyped`] has it.
+/// Returns an object as an array: a frame as a whole, anything else as [`untyped`] has it.
 pub fn array_of<'py>(
     name: &'static str,
     object: &Bound<'py, PyAny>,

@@ -44,7 +44,8 @@ pub enum RowsView<'a> {
 }
 
 impl<'py> Rows<'py> {
-    /// The rows of an array of these numbers of dimensions, of a data frame or of a sparse matrix.
+    /// Returns the rows of an array of these numbers of dimensions, of a data frame or of a sparse
+    /// matrix.
     pub fn new(
         name: &'static str,
         object: &Bound<'py, PyAny>,
@@ -74,7 +75,7 @@ impl<'py> Rows<'py> {
         }
     }
 
-    /// The view.
+    /// Returns the view.
     pub fn view(&self) -> RowsView<'_> {
         match self {
             Self::F32(array) => RowsView::F32(array.view()),
@@ -121,7 +122,7 @@ impl RowBlocks<f64> for RowsView<'_> {
 /// The share of the time that passes over the rows take, of work that goes on after them.
 const PASSES: f64 = 0.9;
 
-/// The Gram matrix of rows in extended precision.
+/// Returns the Gram matrix of rows in extended precision.
 fn gram_of(
     rows: &mut (dyn RowBlocks<f64> + Send),
     weights: Option<&[f64]>,
@@ -240,7 +241,7 @@ impl<'py> IntoPyObject<'py> for Fit {
     }
 }
 
-/// Least squares; see `catamaran.lstsq`.
+/// Computes least squares; see `catamaran.lstsq`.
 #[pyfunction]
 #[pyo3(signature = (a, b, weights, options, progress))]
 pub fn lstsq<'py>(
@@ -270,7 +271,7 @@ pub fn lstsq<'py>(
     .map(Fit)
 }
 
-/// An error of the rows of [A B], where A has n columns, as that of the argument at fault.
+/// Returns an error of the rows of [A B], where A has n columns, as that of the argument at fault.
 fn of_table(error: Error, n: usize) -> Error {
     let Error::NonFinite { what: "rows", index: (i, j) } = error else { return error };
     let (what, column) = if j < n { ("a", j) } else { ("b", j - n) };
@@ -278,7 +279,7 @@ fn of_table(error: Error, n: usize) -> Error {
     Error::Argument { what, why: format!("not finite at row {i}, column {column}: {why}") }
 }
 
-/// An error of rows as that of the argument `a`.
+/// Returns an error of rows as that of the argument `a`.
 fn of_rows(error: Error) -> Error {
     match error {
         Error::NonFinite { what: "rows", index } => Error::NonFinite { what: "a", index },
@@ -289,8 +290,9 @@ fn of_rows(error: Error) -> Error {
 /// A factor: its name, its levels in the order of their codes, and whether the order stays.
 type Coded = (String, Vec<String>, bool);
 
-/// Least squares of a table: columns of A, then codes of factors, NaN where one is missing. Returns
-/// also the names of the columns that factors become, and the rows that are left out.
+/// Computes least squares of a table: columns of A, then codes of factors, NaN where one is
+/// missing. Returns also the names of the columns that factors become, and the rows that are left
+/// out.
 #[pyfunction]
 #[pyo3(signature = (a, codes, factors, b, weights, drop, options, progress))]
 pub fn lstsq_table<'py>(
@@ -352,15 +354,15 @@ pub fn lstsq_table<'py>(
     Ok((Fit(found), columns, left_out))
 }
 
-/// The half-width of a confidence interval in standard errors: the quantile of Student's t
+/// Returns the half-width of a confidence interval in standard errors: the quantile of Student's t
 /// distribution that is exceeded in size with this probability.
 #[pyfunction]
 pub fn t_quantile(probability: f64, freedom: f64) -> f64 {
     catamaran::solve::t_quantile(probability, freedom)
 }
 
-/// Principal components of a Gram matrix about the mean, as a dictionary. Those whose singular
-/// values are less than `floor` times the largest are rounding, and left out.
+/// Computes principal components of a Gram matrix about the mean, as a dictionary. Those whose
+/// singular values are less than `floor` times the largest are rounding, and left out.
 pub fn components_of<'py>(
     py: Python<'py>,
     gram: ExtendedGram,
@@ -381,7 +383,7 @@ pub fn components_of<'py>(
     principal(py, found)
 }
 
-/// Principal components as a dictionary.
+/// Computes principal components as a dictionary.
 fn principal(py: Python<'_>, of: Principal) -> PyResult<Bound<'_, PyDict>> {
     let found = PyDict::new(py);
     found.set_item("components", from_matrix(py, of.components.as_ref())?)?;
@@ -394,7 +396,7 @@ fn principal(py: Python<'_>, of: Principal) -> PyResult<Bound<'_, PyDict>> {
     Ok(found)
 }
 
-/// All components by default, a number of them, or a share of the variance between 0 and 1.
+/// Returns all components by default, a number of them, or a share of the variance between 0 and 1.
 fn principal_options(
     components: &Bound<'_, PyAny>,
     standardize: bool,
@@ -415,7 +417,7 @@ fn principal_options(
         .par(par(threads)?))
 }
 
-/// Principal components; see `catamaran.pca`.
+/// Computes principal components; see `catamaran.pca`.
 #[pyfunction]
 #[pyo3(signature = (a, weights, components, standardize, whiten, threads, progress))]
 pub fn pca<'py>(
@@ -440,7 +442,7 @@ pub fn pca<'py>(
     principal(py, found)
 }
 
-/// The scores of rows, block by block. `of` has the attributes of
+/// Returns the scores of rows, block by block. `of` has the attributes of
 /// `catamaran.PrincipalComponents`.
 #[pyfunction]
 #[pyo3(signature = (rows, of, progress))]
@@ -499,7 +501,7 @@ fn for_blocks(
     Ok(())
 }
 
-/// Singular values and right singular vectors; see `catamaran.svd`.
+/// Returns singular values and right singular vectors; see `catamaran.svd`.
 #[pyfunction]
 #[pyo3(signature = (a, threads, progress))]
 pub fn svd<'py>(
@@ -519,7 +521,7 @@ pub fn svd<'py>(
     Ok((from_vec(py, found.values).into_any(), from_matrix(py, found.v.as_ref())?.into_any()))
 }
 
-/// Q and R of the Gram matrix, Q in the memory of a new array.
+/// Returns Q and R of the Gram matrix, Q in the memory of a new array.
 pub fn gram_qr<'py>(
     py: Python<'py>,
     a: &Bound<'py, PyAny>,
@@ -540,7 +542,7 @@ pub fn gram_qr<'py>(
     Ok((q.into_any(), from_matrix(py, r.as_ref())?.into_any()))
 }
 
-/// The correlation matrix; see `catamaran.corrcoef`.
+/// Returns the correlation matrix; see `catamaran.corrcoef`.
 #[pyfunction]
 #[pyo3(signature = (a, threads, progress))]
 pub fn corrcoef<'py>(
@@ -557,7 +559,7 @@ pub fn corrcoef<'py>(
     Ok(from_matrix(py, found.as_ref())?.into_any())
 }
 
-/// How far `Q^T Q` is from the identity: in the Frobenius norm, and the largest entry.
+/// Returns how far `Q^T Q` is from the identity: in the Frobenius norm, and the largest entry.
 #[pyfunction]
 #[pyo3(signature = (q, threads, progress))]
 pub fn orthogonality<'py>(

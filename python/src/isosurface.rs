@@ -28,7 +28,7 @@ impl Sampled {
     }
 }
 
-/// Where values, x fastest, exceed a level; see `catamaran.isosurface`.
+/// Returns where values, x fastest, exceed a level; see `catamaran.isosurface`.
 #[pyfunction]
 #[pyo3(signature = (values, level, lattice, progress))]
 pub fn isosurface<'py>(
@@ -46,7 +46,7 @@ pub fn isosurface<'py>(
     arrays(py, found)
 }
 
-/// Where a mask, x fastest, is 1; see `catamaran.label_surface`.
+/// Returns where a mask, x fastest, is 1; see `catamaran.label_surface`.
 #[pyfunction]
 #[pyo3(signature = (mask, lattice, progress))]
 pub fn label_surface<'py>(

@@ -64,7 +64,7 @@ impl Found {
     }
 }
 
-/// One of the measures of a mesh; see the methods of `catamaran.Mesh`.
+/// Returns one of the measures of a mesh; see the methods of `catamaran.Mesh`.
 #[pyfunction]
 #[pyo3(signature = (v, f, what, threads))]
 pub fn measure<'py>(
@@ -113,7 +113,7 @@ pub fn validate<'py>(
     Ok(found)
 }
 
-/// The part of these faces; see `catamaran.Mesh.submesh`.
+/// Returns the part of these faces; see `catamaran.Mesh.submesh`.
 #[pyfunction]
 #[pyo3(signature = (v, f, chosen))]
 pub fn submesh<'py>(
@@ -126,7 +126,7 @@ pub fn submesh<'py>(
     part(py, run(py, Length::Long, None, move |_| mesh.submesh(&chosen))?)
 }
 
-/// A component; see `catamaran.Mesh.component`.
+/// Returns a component; see `catamaran.Mesh.component`.
 #[pyfunction]
 #[pyo3(signature = (v, f, number))]
 pub fn component<'py>(
@@ -158,8 +158,8 @@ pub fn compare<'py>(
     Ok([numbers(found.out), numbers(found.back)])
 }
 
-/// Hausdorff and chamfer distances, both as the thesis prints them, and an upper bound of the first
-/// for all points; see `catamaran.Decimated.difference`.
+/// Returns Hausdorff and chamfer distances, both as the thesis prints them, and an upper bound of the
+/// first for all points; see `catamaran.Decimated.difference`.
 #[pyfunction]
 #[pyo3(signature = (first, second, threads))]
 pub fn difference<'py>(

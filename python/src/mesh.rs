@@ -15,13 +15,13 @@ use crate::task::{Length, run};
 /// Vertices and faces.
 pub type Mesh<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>);
 
-/// The mesh of two arrays, which are copied.
+/// Returns the mesh of two arrays, which are copied.
 pub fn mesh(vertices: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>) -> PyResult<TriMesh> {
     let (positions, faces) = (positions("v", vertices)?, triangles("f", faces)?);
     TriMesh::new(positions, faces).map_err(exception)
 }
 
-/// The mesh of two arrays without the faces that have a vertex twice, which it counts.
+/// Returns the mesh of two arrays without the faces that have a vertex twice, which it counts.
 pub fn mesh_file(vertices: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>) -> PyResult<MeshFile> {
     let (positions, faces) = (positions("v", vertices)?, triangles("f", faces)?);
     MeshFile::from_arrays(positions, faces).map_err(exception)
@@ -67,7 +67,7 @@ fn triangles(name: &str, faces: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
     (0..view.nrows()).map(row).collect()
 }
 
-/// A mesh as two arrays.
+/// Returns a mesh as two arrays.
 pub fn arrays(py: Python<'_>, mesh: TriMesh) -> PyResult<Mesh<'_>> {
     let (vertices, faces) = mesh.into_parts();
     let faces = faces.into_iter().map(|face| face.map(i64::from)).collect();
@@ -82,7 +82,7 @@ pub fn numbers(py: Python<'_>, all: impl IntoIterator<Item = u32>) -> Bound<'_, 
 /// A part of a mesh, and the numbers that its vertices and faces have there.
 pub type PartArrays<'py> = (Mesh<'py>, Bound<'py, PyAny>, Bound<'py, PyAny>);
 
-/// A part of a mesh as arrays.
+/// Returns a part of a mesh as arrays.
 pub fn part(py: Python<'_>, part: Part) -> PyResult<PartArrays<'_>> {
     let Part { mesh, vertices, faces } = part;
     Ok((arrays(py, mesh)?, numbers(py, vertices), numbers(py, faces)))
@@ -92,7 +92,7 @@ pub fn part(py: Python<'_>, part: Part) -> PyResult<PartArrays<'_>> {
 /// weights.
 pub type RefinedArrays<'py> = (Mesh<'py>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
 
-/// A finer mesh as arrays.
+/// Returns a finer mesh as arrays.
 pub fn refined(py: Python<'_>, refined: Refined) -> PyResult<RefinedArrays<'_>> {
     let Refined { mesh, faces, vertices } = refined;
     let corners = vertices.iter().map(|origin| origin.vertices.map(i64::from)).collect();
@@ -101,7 +101,7 @@ pub fn refined(py: Python<'_>, refined: Refined) -> PyResult<RefinedArrays<'_>> 
     Ok((arrays(py, mesh)?, numbers(py, faces), origins.0, origins.1))
 }
 
-/// A generated mesh; see `catamaran.shapes`.
+/// Returns a generated mesh; see `catamaran.shapes`.
 #[pyfunction]
 #[pyo3(signature = (name, counts, sizes))]
 pub fn shape<'py>(
@@ -114,7 +114,7 @@ pub fn shape<'py>(
     arrays(py, made)
 }
 
-/// Stiffness, mass and the vertices of their rows; see `catamaran.laplacian`.
+/// Returns stiffness, mass and the vertices of their rows; see `catamaran.laplacian`.
 #[pyfunction]
 #[pyo3(signature = (v, f, kind, mass, boundary, weld, threads, progress))]
 pub fn laplacian<'py>(
@@ -140,7 +140,7 @@ pub fn laplacian<'py>(
     Ok((parts(py, found.stiffness), mass_parts(py, found.mass), from_vec(py, kept).into_any()))
 }
 
-/// The vertex that sampling starts at.
+/// Returns the vertex that sampling starts at.
 pub fn first_vertex(first: Option<i64>) -> PyResult<Option<u32>> {
     first.map(|v| vertex("first", v)).transpose()
 }

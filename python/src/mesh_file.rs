@@ -26,14 +26,14 @@ fn corners<const N: usize>(file: &MeshFile, attribute: &Attribute<N>) -> Vec<[f6
 /// Vertices, faces and a dictionary of attributes.
 type FileParts<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyDict>);
 
-/// The content of a file; see `catamaran.read_mesh`.
+/// Returns the content of a file; see `catamaran.read_mesh`.
 #[pyfunction]
 #[pyo3(signature = (path))]
 pub fn read_mesh(py: Python<'_>, path: PathBuf) -> PyResult<FileParts<'_>> {
     content(py, run(py, Length::Long, None, move |_| read(&path))?)
 }
 
-/// The content of a file in memory; see `catamaran.mesh_from_bytes`.
+/// Returns the content of a file in memory; see `catamaran.mesh_from_bytes`.
 #[pyfunction]
 #[pyo3(signature = (data, format))]
 pub fn mesh_from_bytes<'py>(
@@ -45,7 +45,7 @@ pub fn mesh_from_bytes<'py>(
     content(py, run(py, Length::Long, None, move |_| read_bytes(data, format))?)
 }
 
-/// The values of vertices in a file; see `catamaran.read_scalars`.
+/// Returns the values of vertices in a file; see `catamaran.read_scalars`.
 #[pyfunction]
 #[pyo3(signature = (path))]
 pub fn read_scalars(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
@@ -131,7 +131,7 @@ pub fn write_mesh<'py>(
     run(py, Length::Long, None, move |_| write_as(Output::create(&path, overwrite)?, &file, format))
 }
 
-/// A file in memory, and the notes of [`write_mesh`]; see `catamaran.mesh_to_bytes`.
+/// Returns a file in memory, and the notes of [`write_mesh`]; see `catamaran.mesh_to_bytes`.
 #[pyfunction]
 #[pyo3(signature = (v, f, format, colors, uv, text))]
 pub fn mesh_to_bytes<'py>(
@@ -153,7 +153,7 @@ fn as_text(format: MeshFormat, text: bool) -> PyResult<MeshFormat> {
     if text { format.as_text().ok_or_else(|| refused("text", why)) } else { Ok(format) }
 }
 
-/// A mesh with colours of vertices and texture coordinates of corners.
+/// Returns a mesh with colours of vertices and texture coordinates of corners.
 fn file_of(
     (v, f): (&Bound<'_, PyAny>, &Bound<'_, PyAny>),
     colors: Option<&Bound<'_, PyAny>>,
@@ -178,7 +178,8 @@ fn file_of(
     Ok(file)
 }
 
-/// Texture coordinates of the corners of faces, faces x 3 x 2; a face of NaN alone has none.
+/// Returns texture coordinates of the corners of faces, faces x 3 x 2; a face of NaN alone has
+/// none.
 pub fn texture_coordinates(uv: &Bound<'_, PyAny>, faces: usize) -> PyResult<Attribute<2>> {
     let rows = Array::<f64>::new("uv", &uv.call_method1("reshape", ((3 * faces, 2),))?, &[2])?;
     let view = rows.view();

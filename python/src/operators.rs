@@ -12,7 +12,7 @@ use crate::options::{Threads, limits, par};
 use crate::sparse::{Csr, Parts, mass as mass_of, mass_parts, parts};
 use crate::task::{Length, run};
 
-/// Stiffness, mass and the points of their rows; see `catamaran.cloud_laplacian`.
+/// Returns stiffness, mass and the points of their rows; see `catamaran.cloud_laplacian`.
 #[pyfunction]
 #[pyo3(signature = (points, neighbours, boundary, threads, progress))]
 pub fn cloud_laplacian<'py>(
@@ -31,7 +31,7 @@ pub fn cloud_laplacian<'py>(
     Ok((parts(py, found.stiffness), mass_parts(py, found.mass), from_vec(py, kept).into_any()))
 }
 
-/// The gradient, or the divergence, as a matrix; see `catamaran.gradient`.
+/// Returns the gradient, or the divergence, as a matrix; see `catamaran.gradient`.
 #[pyfunction]
 #[pyo3(signature = (v, f, diverges))]
 pub fn gradient<'py>(
@@ -48,7 +48,7 @@ pub fn gradient<'py>(
     Ok(parts(py, found))
 }
 
-/// The energy of each function; see `catamaran.dirichlet_energies`.
+/// Returns the energy of each function; see `catamaran.dirichlet_energies`.
 #[pyfunction]
 #[pyo3(signature = (functions, stiffness, mass))]
 pub fn dirichlet_energies<'py>(

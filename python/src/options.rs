@@ -14,7 +14,7 @@ use pyo3::types::{PyString, PyTuple};
 use crate::array::{Array, untyped};
 use crate::error::{exception, refused};
 
-/// The value that a word stands for.
+/// Returns the value that a word stands for.
 pub fn word<T: Copy>(name: &str, found: &str, known: &[(&str, T)]) -> PyResult<T> {
     if let Some((_, value)) = known.iter().find(|(word, _)| *word == found) {
         return Ok(*value);
@@ -23,7 +23,7 @@ pub fn word<T: Copy>(name: &str, found: &str, known: &[(&str, T)]) -> PyResult<T
     Err(refused(name, format_args!("'{found}' is not one of {}", words.join(", "))))
 }
 
-/// The value of an argument; an error names the argument.
+/// Returns the value of an argument; an error names the argument.
 pub fn extracted<'py, T>(name: &str, value: &Bound<'py, PyAny>) -> PyResult<T>
 where
     T: FromPyObjectOwned<'py>,
@@ -108,7 +108,7 @@ impl<'py> FromPyObject<'_, 'py> for Threads {
     }
 }
 
-/// Threads: all cores by default, or as many as threadpoolctl allows.
+/// Returns the threads: all cores by default, or as many as threadpoolctl allows.
 pub fn par(threads: Threads) -> PyResult<Par> {
     match threads.0 {
         None => Ok(default_par()),
@@ -154,13 +154,13 @@ impl Products<'_> {
     }
 }
 
-/// The part of a symmetric result.
+/// Returns the part of a symmetric result.
 pub fn uplo(name: &str) -> PyResult<Uplo> {
     let known = [("both", Uplo::Both), ("lower", Uplo::Lower), ("upper", Uplo::Upper)];
     word("uplo", name, &known)
 }
 
-/// A word, or the factor that errors may grow by.
+/// Reads a word, or the factor that errors may grow by.
 pub fn accuracy(value: &Bound<'_, PyAny>) -> PyResult<Accuracy> {
     let Ok(name) = value.cast::<PyString>() else {
         let factor = value.extract::<f64>();
@@ -176,7 +176,7 @@ pub fn accuracy(value: &Bound<'_, PyAny>) -> PyResult<Accuracy> {
     word("accuracy", name.to_cow()?.as_ref(), &known)
 }
 
-/// The Laplacian of a mesh. `boundary` is a word or an array of vertices.
+/// Returns the Laplacian of a mesh. `boundary` is a word or an array of vertices.
 pub fn laplacian(
     kind: &str,
     mass: &str,
@@ -199,7 +199,7 @@ pub fn laplacian(
         .par(par))
 }
 
-/// Which triangles a Laplacian is made of.
+/// Returns which triangles a Laplacian is made of.
 pub fn laplacian_kind(kind: &str) -> PyResult<LaplacianKind> {
     let known = [
         ("cotangent", LaplacianKind::Cotangent),
@@ -209,7 +209,7 @@ pub fn laplacian_kind(kind: &str) -> PyResult<LaplacianKind> {
     word("kind", kind, &known)
 }
 
-/// Where functions are zero: a word or an array of vertices.
+/// Returns where functions are zero: a word or an array of vertices.
 pub fn limits(boundary: &Bound<'_, PyAny>) -> PyResult<Boundary> {
     if let Ok(name) = boundary.cast::<PyString>() {
         let known = [("neumann", false), ("dirichlet", true)];
@@ -252,12 +252,12 @@ fn numbers(name: &str, of: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<u32>
     entries.iter().map(|&number| number_of(name, of, number)).collect()
 }
 
-/// The number of a vertex, as [`vertices`] has them.
+/// Returns the number of a vertex, as [`vertices`] has them.
 pub fn vertex(name: &str, number: i64) -> PyResult<u32> {
     number_of(name, "vertex", number)
 }
 
-/// The number of a face, as [`faces`] has them.
+/// Returns the number of a face, as [`faces`] has them.
 pub fn face(name: &str, number: i64) -> PyResult<u32> {
     number_of(name, "face", number)
 }
@@ -267,7 +267,7 @@ fn number_of(name: &str, of: &str, number: i64) -> PyResult<u32> {
         .map_err(|_| refused(name, format_args!("{number} is not the number of a {of}")))
 }
 
-/// How products of eigenfunctions are orthogonalized.
+/// Returns how products of eigenfunctions are orthogonalized.
 pub fn orthogonalization(method: &str) -> PyResult<Orthogonalization> {
     let known = [
         ("single_pass", Orthogonalization::SinglePass),

@@ -9,7 +9,7 @@ use crate::options::{Threads, par, word};
 use crate::sparse::mass as mass_of;
 use crate::task::{Length, run};
 
-/// Q and R; see `catamaran.qr`.
+/// Returns Q and R; see `catamaran.qr`.
 #[pyfunction]
 #[pyo3(signature = (a, mass, threads, progress))]
 pub fn qr<'py>(
@@ -35,7 +35,7 @@ pub fn qr<'py>(
     Ok((q.into_any(), from_matrix(py, r.as_ref())?.into_any()))
 }
 
-/// Q, R and the columns that Q is made of; see `catamaran.orthogonalize`.
+/// Returns Q, R and the columns that Q is made of; see `catamaran.orthogonalize`.
 #[pyfunction]
 #[pyo3(signature = (a, mass, method, threshold, threads, progress))]
 pub fn orthogonalize<'py>(

@@ -39,7 +39,7 @@ pub struct PlantHandle {
 
 #[pymethods]
 impl PlantHandle {
-    /// A plant of the arrays that `arrays` returns.
+    /// Returns a plant of the arrays that `arrays` returns.
     #[new]
     #[pyo3(signature = (tails, radii, parents, leaves, base, more))]
     fn new(
@@ -75,13 +75,13 @@ impl PlantHandle {
         Ok(Self { graph })
     }
 
-    /// What arrays do not say of each segment: petiole, area of leaf, pinned.
+    /// Returns what arrays do not say of each segment: petiole, area of leaf, pinned.
     fn more(&self) -> Vec<More> {
         let segments = self.graph.segments().iter();
         segments.map(|segment| (segment.petiole, segment.leaf_area, segment.pinned)).collect()
     }
 
-    /// What the reader had to assume.
+    /// Returns what the reader had to assume.
     fn notes(&self) -> Vec<String> {
         self.graph.notes().to_vec()
     }
@@ -107,7 +107,7 @@ impl PlantHandle {
     }
 }
 
-/// See `catamaran.read_plant`.
+/// Implements `catamaran.read_plant`.
 #[pyfunction]
 #[pyo3(signature = (path, individual, unit))]
 pub fn read_plant(
@@ -124,7 +124,7 @@ pub fn read_plant(
     Ok(PlantHandle { graph })
 }
 
-/// See `catamaran.grow_plant`.
+/// Implements `catamaran.grow_plant`.
 #[pyfunction]
 pub fn grow(py: Python<'_>, nodes: usize, seed: u64) -> PyResult<PlantHandle> {
     let options = GrowthOptions::new().nodes(nodes).seed(seed);
@@ -211,7 +211,7 @@ type Frames<'py> = (
     Vec<[Bound<'py, PyAny>; 3]>,
 );
 
-/// See `catamaran.wilt`.
+/// Implements `catamaran.wilt`.
 #[pyfunction]
 #[pyo3(signature = (plant, weather, progress))]
 pub fn wilt<'py>(
@@ -248,7 +248,7 @@ pub fn wilt<'py>(
     Ok((hours, full, water, moduli, balance, poses))
 }
 
-/// A mesh of tubes around the segments of a pose; see `catamaran.Wilting`.
+/// Returns a mesh of tubes around the segments of a pose; see `catamaran.Wilting`.
 #[pyfunction]
 #[pyo3(signature = (plant, pose, sides, thinnest))]
 pub fn tubes<'py>(

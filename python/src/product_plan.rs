@@ -15,7 +15,7 @@ pub struct Plan {
     arguments: Py<PyAny>,
 }
 
-/// The plan of A^T A, or of A^T B with B of k columns.
+/// Returns the plan of A^T A, or of A^T B with B of k columns.
 #[pyfunction]
 #[pyo3(signature = (m, n, k, scalar, products))]
 pub fn plan<'py>(
@@ -41,31 +41,31 @@ pub fn plan<'py>(
 
 #[pymethods]
 impl Plan {
-    /// Whether it computes integer products, which give the same bytes on every machine.
+    /// Returns whether it computes integer products, which give the same bytes on every machine.
     #[getter]
     fn is_exact(&self) -> bool {
         self.plan.is_exact()
     }
 
-    /// Whether any product takes fewer multiplications than the classical count.
+    /// Returns whether any product takes fewer multiplications than the classical count.
     #[getter]
     fn is_fast(&self) -> bool {
         self.plan.is_fast()
     }
 
-    /// The scheme in a word or two.
+    /// Returns the scheme in a word or two.
     #[getter]
     fn scheme(&self) -> String {
         self.plan.scheme()
     }
 
-    /// The instruction set of the integer products; None for others.
+    /// Returns the instruction set of the integer products; None for others.
     #[getter]
     fn isa(&self) -> Option<&'static str> {
         self.plan.isa()
     }
 
-    /// For pickles, whose reader plans for its own machine.
+    /// Returns what pickles store, whose reader plans for its own machine.
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Py<PyAny>)> {
         Ok((py.import("catamaran._catamaran")?.getattr("plan")?, self.arguments.clone_ref(py)))
     }

@@ -8,7 +8,8 @@ use crate::mesh::{PartArrays, mesh, part};
 use crate::options::{pairs, vertices, word};
 use crate::task::{Length, run};
 
-/// A mesh that is cut open along edges, and its vertices in the one before; see `catamaran.cut`.
+/// Returns a mesh that is cut open along edges, and its vertices in the one before; see
+/// `catamaran.cut`.
 #[pyfunction]
 #[pyo3(signature = (v, f, along))]
 pub fn cut<'py>(
@@ -43,7 +44,7 @@ pub fn enclosed_faces<'py>(
     Ok(from_vec(py, found.mask().to_vec()).into_any())
 }
 
-/// The edges between a region, 0 or 1 for each face, and the rest; see
+/// Returns the edges between a region, 0 or 1 for each face, and the rest; see
 /// `catamaran.region_boundary`.
 #[pyfunction]
 #[pyo3(signature = (v, f, region))]

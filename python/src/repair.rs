@@ -50,8 +50,8 @@ impl Steps {
     }
 }
 
-/// The mesh, its vertex for each one of the input (-1 where it is left out), and a line for each
-/// step; see `catamaran.repair`.
+/// Returns the mesh, its vertex for each one of the input (-1 where it is left out), and a line for
+/// each step; see `catamaran.repair`.
 #[pyfunction]
 #[pyo3(signature = (v, f, steps, progress))]
 pub fn repair<'py>(

@@ -21,7 +21,7 @@ pub struct CsrArrays<'py> {
 }
 
 impl<'py> Csr<'py> {
-    /// The matrix.
+    /// Returns the matrix.
     pub fn matrix(&self, name: &'static str) -> PyResult<CsrArrays<'py>> {
         let Self(data, indices, starts, shape) = self;
         Ok(CsrArrays {
@@ -35,7 +35,7 @@ impl<'py> Csr<'py> {
 }
 
 impl CsrArrays<'_> {
-    /// The matrix, copied.
+    /// Returns the matrix, copied.
     pub fn to_matrix(&self) -> PyResult<CsMat<f64>> {
         let parts = (self.starts.entries(), self.indices.entries(), self.data.entries());
         let (starts, indices, data) =
@@ -48,7 +48,7 @@ impl CsrArrays<'_> {
 /// The data, column indices and row starts of a matrix.
 pub type Parts<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, (usize, usize));
 
-/// A matrix by rows as arrays.
+/// Returns a matrix by rows as arrays.
 pub fn parts(py: Python<'_>, matrix: CsMat<f64>) -> Parts<'_> {
     let shape = (matrix.rows(), matrix.cols());
     let matrix = if matrix.is_csr() { matrix } else { matrix.to_csr() };
@@ -60,7 +60,7 @@ pub fn parts(py: Python<'_>, matrix: CsMat<f64>) -> Parts<'_> {
     (from_vec(py, data).into_any(), signed(indices), signed(starts), shape)
 }
 
-/// A mass as arrays: a matrix by rows, whatever it is in the library.
+/// Returns a mass as arrays: a matrix by rows, whatever it is in the library.
 pub fn mass_parts(py: Python<'_>, mass: Mass) -> Parts<'_> {
     match mass {
         Mass::Full(matrix) => parts(py, matrix),
@@ -71,7 +71,7 @@ pub fn mass_parts(py: Python<'_>, mass: Mass) -> Parts<'_> {
     }
 }
 
-/// A mass of the caller: none, a vector of masses, or a sparse matrix as a tuple.
+/// Returns a mass of the caller: none, a vector of masses, or a sparse matrix as a tuple.
 pub fn mass(object: Option<&Bound<'_, PyAny>>, n: usize) -> PyResult<Mass> {
     let Some(object) = object else { return Ok(Mass::identity(n)) };
     if let Ok(csr) = object.extract::<Csr<'_>>() {

@@ -54,7 +54,7 @@ fn check_count(len: usize, (count, _, left, ..): Pieces) -> catamaran::Result<()
 /// mass.
 type BasisParts<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Pieces);
 
-/// The first eigenfunctions of a mesh; see `catamaran.Eigenbasis`.
+/// Returns the first eigenfunctions of a mesh; see `catamaran.Eigenbasis`.
 #[pyfunction]
 #[pyo3(signature = (v, f, k, kind, weld, threads, progress))]
 pub fn eigenbasis<'py>(
@@ -92,7 +92,7 @@ pub fn eigenbasis<'py>(
 
 #[pymethods]
 impl Eigenbasis {
-    /// Of the arrays that [`eigenbasis`] returns.
+    /// Makes a basis of the arrays that [`eigenbasis`] returns.
     #[new]
     #[pyo3(signature = (values, functions, mass, pieces))]
     fn new(
@@ -164,14 +164,14 @@ impl Eigenbasis {
         Ok(from_matrix(py, found.map_err(exception)?.as_ref())?.into_any())
     }
 
-    /// Global point signatures.
+    /// Returns global point signatures.
     fn _point_signature<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let _nearest = FloatEnv::nearest();
         let found = global_point_signature(self.basis.values(), self.basis.functions());
         Ok(from_matrix(py, found.map_err(exception)?.as_ref())?.into_any())
     }
 
-    /// Heat kernel signatures at these times, or at the usual ones, and the times.
+    /// Returns heat kernel signatures at these times, or at the usual ones, and the times.
     #[pyo3(signature = (times, count, threads))]
     fn _heat_signature<'py>(
         &self,
@@ -193,7 +193,7 @@ impl Eigenbasis {
         Ok((from_matrix(py, found.as_ref())?.into_any(), from_vec(py, times).into_any()))
     }
 
-    /// Wave kernel signatures at the usual energies, and the energies.
+    /// Returns wave kernel signatures at the usual energies, and the energies.
     #[pyo3(signature = (count, threads))]
     fn _wave_signature<'py>(
         &self,
@@ -216,7 +216,7 @@ impl Eigenbasis {
 /// where there are fewer.
 type Products<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Vec<Vec<usize>>);
 
-/// Orthogonalized products of eigenfunctions; see `catamaran.eigenproducts`.
+/// Returns orthogonalized products of eigenfunctions; see `catamaran.eigenproducts`.
 #[pyfunction]
 #[pyo3(signature = (basis, order, method, threads, progress))]
 pub fn eigenproducts<'py>(
@@ -346,7 +346,8 @@ fn refined(
     Ok((found.map, found.points))
 }
 
-/// The map of orthogonalized products that a functional map implies; see `catamaran.product_map`.
+/// Returns the map of orthogonalized products that a functional map implies; see
+/// `catamaran.product_map`.
 #[pyfunction]
 #[pyo3(signature = (source, target, map, order, method, all, threads, progress))]
 pub fn product_map<'py>(
@@ -474,8 +475,8 @@ pub fn transfer_details<'py>(
     arrays(py, found)
 }
 
-/// A template whose first eigenvalues are these: the mesh, its eigenvalues, their difference and
-/// the number of steps; see `catamaran.shape_from_spectrum`.
+/// Returns a template whose first eigenvalues are these: the mesh, its eigenvalues, their
+/// difference and the number of steps; see `catamaran.shape_from_spectrum`.
 #[pyfunction]
 #[pyo3(signature = (v, f, eigenvalues, steps, tolerance, threads, progress))]
 pub fn shape_from_spectrum<'py>(

@@ -159,8 +159,8 @@ pub fn eigsh<'py>(
     Ok((arrays(py, pairs)?, pieces))
 }
 
-/// The rows of a prolongation that belong to the rows of the matrices: `kept` vertices of the mesh,
-/// which are the `firsts` of the caller.
+/// Returns the rows of a prolongation that belong to the rows of the matrices: `kept` vertices of
+/// the mesh, which are the `firsts` of the caller.
 fn of_rows(weights: &CsMat<f64>, kept: &[usize], firsts: impl Fn(usize) -> usize) -> CsMat<f64> {
     let rows: Vec<usize> = kept.iter().map(|&v| firsts(v)).collect();
     let all: Vec<Option<usize>> = (0..weights.cols()).map(Some).collect();
@@ -188,7 +188,7 @@ pub fn eigsh_sparse<'py>(
     Ok((arrays(py, pairs)?, free))
 }
 
-/// The number of eigenvalues of a sparse symmetric matrix below a value; see
+/// Returns the number of eigenvalues of a sparse symmetric matrix below a value; see
 /// `catamaran.count_below`.
 #[pyfunction]
 #[pyo3(signature = (a, mass, value))]
@@ -203,7 +203,8 @@ pub fn count_below_sparse<'py>(
     run(py, Length::Long, None, move |_| below(a.view(), &mass, value))
 }
 
-/// The number of eigenvalues of the Laplacian of a mesh below a value; see `catamaran.count_below`.
+/// Returns the number of eigenvalues of the Laplacian of a mesh below a value; see
+/// `catamaran.count_below`.
 #[pyfunction]
 #[pyo3(signature = (v, f, kind, mass, boundary, weld, threads, value))]
 pub fn count_below_mesh<'py>(
@@ -226,7 +227,7 @@ pub fn count_below_mesh<'py>(
     })
 }
 
-/// The number of components of the graph of a matrix whose rows sum to zero; see
+/// Returns the number of components of the graph of a matrix whose rows sum to zero; see
 /// `catamaran.free_components`.
 #[pyfunction]
 #[pyo3(signature = (a, mass))]
@@ -240,7 +241,7 @@ pub fn free_components_sparse<'py>(
     run(py, Length::Long, None, move |_| free_components(a.view(), &mass))
 }
 
-/// The number of components of a mesh without a vertex held at zero; see
+/// Returns the number of components of a mesh without a vertex held at zero; see
 /// `catamaran.free_components`.
 #[pyfunction]
 #[pyo3(signature = (v, f, boundary, weld))]

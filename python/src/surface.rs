@@ -24,7 +24,7 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// The mesh of two arrays; with `weld`, vertices with equal positions are one.
+    /// Returns the mesh of two arrays; with `weld`, vertices with equal positions are one.
     pub fn new(v: &Bound<'_, PyAny>, f: &Bound<'_, PyAny>, weld: bool) -> PyResult<Self> {
         let mesh = mesh(v, f)?;
         match weld {
@@ -33,12 +33,12 @@ impl Surface {
         }
     }
 
-    /// The number of vertices of the caller.
+    /// Returns the number of vertices of the caller.
     pub fn vertices(&self) -> usize {
         self.joined.as_ref().map_or(self.mesh.vertices().len(), Vec::len)
     }
 
-    /// The boundary, whose vertices are those of the caller, on the mesh.
+    /// Returns the boundary, whose vertices are those of the caller, on the mesh.
     pub fn boundary(&self, boundary: Boundary) -> Boundary {
         let (Boundary::Mixed(vertices), Some(joined)) = (&boundary, &self.joined) else {
             return boundary;
@@ -68,8 +68,8 @@ impl Surface {
         }
     }
 
-    /// The masses at the vertices of the caller: equal shares of that of their vertex of the mesh,
-    /// so that inner products of functions of [`Surface::extend`] stay the same.
+    /// Returns the masses at the vertices of the caller: equal shares of that of their vertex of
+    /// the mesh, so that inner products of functions of [`Surface::extend`] stay the same.
     pub fn shares(&self, mass: Mass) -> Mass {
         let (Some(joined), Mass::Lumped(masses)) = (&self.joined, &mass) else { return mass };
         let mut copies = vec![0.0; masses.len()];
@@ -77,7 +77,7 @@ impl Surface {
         Mass::Lumped(joined.iter().map(|&v| masses[v as usize] / copies[v as usize]).collect())
     }
 
-    /// A function from a vertex of the mesh to the first vertex of the caller there.
+    /// Returns a function from a vertex of the mesh to the first vertex of the caller there.
     pub fn firsts(&self) -> impl Fn(usize) -> usize {
         let firsts = self.joined.as_ref().map(|joined| {
             let mut firsts = vec![0; self.mesh.vertices().len()];

@@ -83,7 +83,7 @@ impl TableArguments {
     }
 }
 
-/// A dictionary of the matrix and what is known about its columns; see `catamaran.read`.
+/// Returns a dictionary of the matrix and what is known about its columns; see `catamaran.read`.
 #[pyfunction]
 #[pyo3(signature = (path, options, progress))]
 pub fn read<'py>(

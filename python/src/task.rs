@@ -36,7 +36,7 @@ pub enum Length {
 }
 
 impl Length {
-    /// That of so many multiplications.
+    /// Returns the length of a call of so many multiplications.
     pub fn of(multiplications: f64) -> Self {
         if multiplications < SHORT { Self::Short } else { Self::Long }
     }
@@ -53,7 +53,7 @@ struct Watch {
 }
 
 impl Watch {
-    /// The progress callback of the library.
+    /// Notes the progress that the library reports, and tells it to go on or to stop.
     fn update(&self, fraction: f64) -> ControlFlow<()> {
         self.fraction.store(fraction.to_bits(), Ordering::Relaxed);
         match self.stop.load(Ordering::Relaxed) {

@@ -83,7 +83,7 @@ fn opened(device: &str) -> catamaran::Result<Option<Device>> {
 /// (steps x species), and the number of triangles that overlap others in the texture.
 type Grown<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, usize);
 
-/// Slime moulds on a mesh; see `catamaran.slime`.
+/// Returns slime moulds on a mesh; see `catamaran.slime`.
 #[pyfunction]
 #[pyo3(signature = (v, f, steps, mould, uv, start, ground, progress))]
 pub fn slime<'py>(
@@ -182,7 +182,7 @@ arguments! {
     }
 }
 
-/// The root of each point, how fast it is reached, and how many points reach none; see
+/// Returns the root of each point, how fast it is reached, and how many points reach none; see
 /// `catamaran.newton`.
 #[pyfunction]
 #[pyo3(signature = (at, fractal, progress))]

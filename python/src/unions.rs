@@ -20,7 +20,7 @@ use crate::options::{Threads, laplacian_kind, par};
 use crate::surface::{Pieces, Surface};
 use crate::task::{Length, run};
 
-/// A signature, and the components of the mesh; see `catamaran.shape_dna`.
+/// Returns a signature, and the components of the mesh; see `catamaran.shape_dna`.
 #[pyfunction]
 #[pyo3(signature = (v, f, k, normalized, kind, weld, threads, progress))]
 pub fn shape_dna<'py>(
@@ -50,7 +50,7 @@ pub struct MetricHandle {
     metric: RetrievalMetric,
 }
 
-/// The rows of a matrix.
+/// Returns the rows of a matrix.
 fn rows(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<Vec<f64>>> {
     let array = Array::<f64>::new(name, object, &[2])?;
     let view = array.view();
@@ -89,7 +89,7 @@ impl MetricHandle {
         Ok(Self { metric })
     }
 
-    /// The metric of the bytes of a file.
+    /// Returns the metric of the bytes of a file.
     #[staticmethod]
     fn from_bytes(content: &[u8]) -> PyResult<Self> {
         let metric = RetrievalMetric::from_bytes(content).map_err(exception)?;
@@ -115,7 +115,7 @@ impl MetricHandle {
         })
     }
 
-    /// A row of distances for each query.
+    /// Returns a row of distances for each query.
     fn distances<'py>(
         &self,
         py: Python<'py>,
@@ -156,7 +156,7 @@ impl Part {
         Ok(Self::Spectrum(values.entries().into_owned()))
     }
 
-    /// The spectrum of part `i`, and the components of its mesh.
+    /// Returns the spectrum of part `i`, and the components of its mesh.
     fn spectrum(self, i: usize) -> catamaran::Result<(Vec<f64>, Option<Pieces>)> {
         let surface = match self {
             Self::Spectrum(values) => return Ok((values, None)),
@@ -190,7 +190,7 @@ fn spectra(parts: Vec<Part>) -> catamaran::Result<Spectra> {
     Ok(found.into_iter().unzip())
 }
 
-/// The network of a file, or that of the library.
+/// Returns the network of a file, or that of the library.
 fn network(path: Option<PathBuf>) -> catamaran::Result<SpectralUnion> {
     match path {
         Some(path) => SpectralUnion::read(&path),
@@ -202,7 +202,7 @@ fn network(path: Option<PathBuf>) -> catamaran::Result<SpectralUnion> {
 /// how unlike the training the parts are.
 type Union<'py> = (Bound<'py, PyAny>, Vec<Bound<'py, PyAny>>, Vec<Option<Pieces>>, f64);
 
-/// The spectrum of a union; see `catamaran.union_spectrum`.
+/// Returns the spectrum of a union; see `catamaran.union_spectrum`.
 #[pyfunction]
 #[pyo3(signature = (parts, model, weld, progress))]
 pub fn union_spectrum<'py>(
@@ -223,7 +223,7 @@ pub fn union_spectrum<'py>(
     Ok((from_vec(py, union).into_any(), spectra, pieces, ood_score))
 }
 
-/// A spectrum between two; see `catamaran.interpolate_spectra`.
+/// Returns a spectrum between two; see `catamaran.interpolate_spectra`.
 #[pyfunction]
 #[pyo3(signature = (first, second, t))]
 pub fn interpolate_spectra<'py>(
@@ -239,7 +239,7 @@ pub fn interpolate_spectra<'py>(
     Ok(from_vec(py, found.to_vec()).into_any())
 }
 
-/// Where a union is on the template, and the components of the parts that are meshes; see
+/// Returns where a union is on the template, and the components of the parts that are meshes; see
 /// `catamaran.locate_union`.
 #[pyfunction]
 #[pyo3(signature = (parts, v, f, model, weld, threads, progress))]

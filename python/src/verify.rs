@@ -22,8 +22,8 @@ struct Claim<'a> {
     seed: u64,
 }
 
-/// Whether C is `alpha A^T A`, the residual, the tolerance, and the probability that another C
-/// passes; see `catamaran.verify`.
+/// Returns whether C is `alpha A^T A`, the residual, the tolerance, and the probability that
+/// another C passes; see `catamaran.verify`.
 #[pyfunction]
 #[pyo3(signature = (a, c, weights, center, alpha, part, rounds, seed))]
 pub fn verify<'py>(

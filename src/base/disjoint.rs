@@ -113,7 +113,8 @@ impl<'a, T> Disjoint<'a, T> {
     #[allow(clippy::mut_from_ref)]
     pub unsafe fn block(&self, rows: Range<usize>, cols: Range<usize>) -> MatMut<'_, T> {
         let corner = self.corner(&rows, &cols);
-        // SAFETY: the block lies inside the matrix, as asserted; the caller ensures disjointness.
+        // SAFETY: `corner` asserts that the block lies inside the borrowed matrix; no other part
+        // that is alive overlaps it, by the contract.
         unsafe {
             let (down, across) = (self.row_stride, self.col_stride);
             MatMut::from_raw_parts_mut(corner, rows.len(), cols.len(), down, across)
@@ -127,7 +128,8 @@ impl<'a, T> Disjoint<'a, T> {
     #[allow(clippy::mut_from_ref)]
     pub unsafe fn get(&self, i: usize) -> &mut T {
         assert!(i < self.rows, "element {i} of {}", self.rows);
-        // SAFETY: inside the matrix; the caller ensures disjointness.
+        // SAFETY: the entry is inside the borrowed matrix, as asserted; no other part that is alive
+        // overlaps it, by the contract.
         unsafe { &mut *self.start.at(i as isize * self.row_stride) }
     }
 
@@ -139,7 +141,8 @@ impl<'a, T> Disjoint<'a, T> {
     pub unsafe fn range(&self, elements: Range<usize>) -> &mut [T] {
         assert!(self.cols == 1 && self.row_stride == 1, "not a slice");
         let (start, count) = (self.corner(&elements, &(0..1)), elements.len());
-        // SAFETY: adjacent elements of the slice, as asserted; the caller ensures disjointness.
+        // SAFETY: the elements are adjacent and inside the borrowed slice, as asserted; no other
+        // part that is alive overlaps them, by the contract.
         unsafe { std::slice::from_raw_parts_mut(start, count) }
     }
 

@@ -371,7 +371,7 @@ pub fn use_own_threads_only() {
 
 /// Ends the threads that this process keeps for its calls, and waits until they have ended.
 ///
-/// Later calls start threads anew. A call that runs at the same time keeps its threads until it
+/// Later calls start new threads. A call that runs at the same time keeps its threads until it
 /// returns. Threads of a [`ThreadPool`] or of rayon's pools are not affected.
 ///
 /// ```

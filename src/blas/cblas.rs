@@ -406,27 +406,26 @@ impl Backend for Cblas {
     }
 
     fn single_threaded(&self) -> ThreadGuard {
-        // Safety of every call of `threading` below: the signatures were established at load time,
-        // and the functions take any count that they returned themselves, and 1.
         ThreadGuard(match self.threading {
             Threading::MklLocal(set) => {
-                // SAFETY: as for every call of `threading`.
+                // SAFETY: `set` was found with this signature when the library was loaded, and
+                // takes any count.
                 let before = unsafe { set(1) };
                 Some(Box::new(move || {
-                    // SAFETY: as for every call of `threading`.
+                    // SAFETY: as above; `before` is a count that `set` returned.
                     unsafe { set(before) };
                 }))
             }
             Threading::Openblas { get, set } => {
-                // SAFETY: as for every call of `threading`.
+                // SAFETY: `get` was found with this signature when the library was loaded.
                 let get = move || i64::from(unsafe { get() });
-                // SAFETY: as for every call of `threading`; the counts are those of a C int.
+                // SAFETY: so was `set`; `hold` passes 1 or a count that `get` returned, a C int.
                 Some(hold(&self.holders, get, move |n| unsafe { set(n as c_int) }))
             }
             Threading::Blis { get, set } => {
-                // SAFETY: as for every call of `threading`.
+                // SAFETY: `get` was found with this signature when the library was loaded.
                 let get = move || unsafe { get() };
-                // SAFETY: as for every call of `threading`.
+                // SAFETY: so was `set`; `hold` passes 1 or a count that `get` returned.
                 Some(hold(&self.holders, get, move |n| unsafe { set(n) }))
             }
             Threading::Unknown => None,

@@ -105,7 +105,7 @@ impl Native {
             target = target.transposed();
             (shape.rows, shape.cols) = (k, n);
         }
-        // SAFETY: C is borrowed for the length of this call.
+        // SAFETY: this call borrows C mutably, so nobody else uses the matrix of the target.
         unsafe { run_small(kernel, source(left), source(right), &mut target, shape) };
         ControlFlow::Continue(())
     }
@@ -150,7 +150,7 @@ fn large_product<T: FloatOperand>(
     let work = entries as f64 * a.nrows() as f64;
     let progress = &progress.map_or_else(Tracker::unwatched, |p| Tracker::new(p, work));
     let job = Job { kernel, products: &products, budget: BUDGET, progress };
-    // SAFETY: C is borrowed for the length of this call.
+    // SAFETY: this call borrows C mutably, so nobody else uses the matrices of the targets.
     unsafe { run(&job, Par::Seq, scratch.as_mut_slice()) };
     progress.state()
 }

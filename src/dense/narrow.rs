@@ -165,7 +165,7 @@ mod tests {
 
     use super::*;
 
-    /// Small integers, whose products and sums are exact.
+    /// Returns small integers, whose products and sums are exact.
     fn integers(rows: usize, cols: usize, seed: usize) -> Mat<f64> {
         Mat::from_fn(rows, cols, |i, j| ((7 * i + 3 * j + seed) % 11) as f64 - 5.0)
     }

@@ -36,7 +36,7 @@ impl Adam {
         descent.apply(parameters, gradient, &mut self.mean, &mut self.square);
     }
 
-    /// Does the same as [`step`](Self::step) on the threads of the calling team.
+    /// Does the same as [`step`](Self::step) on the threads of the pool that calls it.
     pub fn par_step(&mut self, parameters: &mut [f32], gradient: &[f32], rate: f32, decay: f32) {
         self.steps = self.steps.saturating_add(1);
         let descent = self.descent(rate, decay);

@@ -24,7 +24,8 @@ pub struct Closure {
     /// The relative water content when stomata are closed.
     pub relative: f64,
     /// The mean conductance from then on, in mmol / (m^2 s) of one side of the leaf; the package
-    /// refers to both sides.
+    /// refers to both sides. Stomata that are not quite closed contribute to it, so it is above the
+    /// conductance of the cuticle alone.
     pub minimum: f64,
 }
 

@@ -172,7 +172,7 @@ pub fn beam(repeat: usize, libraries: &Path) -> Result<Part> {
 }
 
 impl Problem {
-    /// The plant with full cells, and the usual damping.
+    /// Returns the plant with full cells, and the usual damping.
     fn of_plant(plant: &Plant) -> Result<Self> {
         let full = WaterModel::new(plant, &WaterOptions::default())?.full();
         let moduli = Elasticity::default().moduli(&full, &full)?;
@@ -190,7 +190,7 @@ impl Problem {
         })
     }
 
-    /// A horizontal beam of n segments.
+    /// Returns a horizontal beam of n segments.
     fn beam(n: usize) -> Result<Self> {
         let at = |i: usize| [LENGTH * i as f64 / n as f64, 0.0, 0.0];
         let segments = (1..=n).map(|i| Segment::stem(at(i), RADIUS)).collect();

@@ -67,7 +67,7 @@ fn obj(found: &Found<'_>) -> String {
     text
 }
 
-/// Returns points, of which the file has `first - 1` before, and the line through them.
+/// Returns points and the line through them, for a file that already has `first - 1` points.
 pub fn line(points: &[[f64; 3]], first: usize, closed: bool) -> String {
     let mut text: String = points.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect();
     let numbers = (first..first + points.len()).chain(closed.then_some(first));

@@ -43,7 +43,7 @@ struct Outcome {
 }
 
 impl Outcome {
-    /// Effective GFLOP/s for a square matrix of this side.
+    /// Returns the effective GFLOP/s for a square matrix of this side.
     fn rate(&self, side: usize) -> String {
         format!("{:.1}", self.gflops(side))
     }
@@ -122,7 +122,7 @@ fn describe(outcomes: &[Outcome], side: usize, scale: picture::Scale) -> Result<
     Station::new("ata", "A<sup>T</sup>A", include_str!("stations/ata.html"), values)
 }
 
-/// A row of the table; `classical` is the error of the classical scheme.
+/// Returns a row of the table; `classical` is the error of the classical scheme.
 fn row(outcome: &Outcome, side: usize, classical: f64) -> Value {
     context! {
         name => outcome.name,
@@ -198,7 +198,8 @@ pub fn signals(m: usize, n: usize) -> Mat<f64> {
     Mat::from_fn(m, n, |i, j| clean[(i, j)] + 0.12 * rng.normal())
 }
 
-/// The rows `checked` of A^T A in twice the working precision (Ogita, Rump and Oishi 2005, Dot2).
+/// Computes the rows `checked` of A^T A in twice the working precision (Ogita, Rump and Oishi 2005,
+/// Dot2).
 fn reference(a: MatRef<'_, f64>, checked: &[usize]) -> Mat<f64> {
     Mat::from_fn(checked.len(), a.ncols(), |r, j| {
         let (mut sum, mut rest) = (f64::ZERO, f64::ZERO);

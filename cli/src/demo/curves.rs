@@ -59,7 +59,7 @@ impl Line {
         format!("{:.0}", 100.0 * part as f64 / self.runs.max(1) as f64)
     }
 
-    /// Of one run.
+    /// Returns the mean milliseconds of a run.
     fn milliseconds(&self) -> f64 {
         1e3 * self.seconds / self.runs.max(1) as f64
     }
@@ -107,7 +107,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     describe(&mesh, &lines, shown.unwrap_or_default())
 }
 
-/// Two selections of a few samples each, what sets make of them, and the mesh in pieces.
+/// Draws two selections of a few samples each, what sets make of them, and the mesh in pieces.
 fn regions(site: &Site<'_>) -> Result<()> {
     let mesh = scaled(&families::torus(AROUND as usize, TUBE as usize, 2.0, 0.9)?)?;
     let mut drawing = Drawing::new(mesh)?;
@@ -155,7 +155,8 @@ fn regions(site: &Site<'_>) -> Result<()> {
     render(&scene)?.write(site.file("regions.png")?)
 }
 
-/// The components of a mesh, each of its colour and moved away from the middle of the first.
+/// Returns the components of a mesh, each of its colour and moved away from the middle of the
+/// first.
 fn apart(mesh: &TriMesh) -> Result<(TriMesh, Vec<Rgb>)> {
     let components = Components::new(mesh);
     let middle = |c: u32| {

@@ -72,7 +72,7 @@ fn panel<'a>(mesh: &'a TriMesh, paint: Paint<'a>, title: &'a str) -> Panel<'a> {
     Panel { mesh, paint, view: VIEW, title }
 }
 
-/// The distances from a few farthest points.
+/// Draws the distances from a few farthest points.
 fn cells(site: &Site<'_>, mesh: &TriMesh) -> Result<()> {
     let mut points = FarthestPoints::new(mesh, None)?;
     let mut distances = Vec::new();
@@ -100,7 +100,7 @@ fn describe(mesh: &TriMesh, outcomes: &[Outcome]) -> Result<Station> {
     Station::new("decimate", "Decimation", include_str!("stations/decimate.html"), values)
 }
 
-/// A row of the table.
+/// Returns a row of the table.
 fn row(outcome: &Outcome) -> Value {
     let Outcome { name, found, quality, difference, seconds } = outcome;
     context! {

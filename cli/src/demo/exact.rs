@@ -132,7 +132,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     describe(&outcomes, &changes, side, scale)
 }
 
-/// The lower triangle of A^T A.
+/// Returns the lower triangle of A^T A.
 fn product(way: &Way, a: MatRef<'_, f64>, par: Par) -> Result<Mat<f64>> {
     progress::check()?;
     let Way { scheme, accuracy, .. } = *way;
@@ -143,7 +143,8 @@ fn product(way: &Way, a: MatRef<'_, f64>, par: Par) -> Result<Mat<f64>> {
     Ok(c)
 }
 
-/// The same product with other threads, in another layout, and with the rows in another order.
+/// Returns the same product with other threads, in another layout, and with the rows in another
+/// order.
 fn changes(a: MatRef<'_, f64>) -> Result<Vec<Change>> {
     let all = Par::all();
     let [_, exact, _] = &EXACT;
@@ -217,7 +218,7 @@ fn describe(
     Station::new("exact", "Exact A<sup>T</sup>A", template, values)
 }
 
-/// The largest error of each way, with one of them in the foreground.
+/// Returns the largest error of each way, with one of them in the foreground.
 fn chart_of_errors(outcomes: &[Outcome], foreground: &Way) -> String {
     let bar = |o: &Outcome| ChartBar {
         name: o.way.name.into(),
@@ -229,7 +230,7 @@ fn chart_of_errors(outcomes: &[Outcome], foreground: &Way) -> String {
     draw_bars(&bars, "largest error, in units of u |a_i| |a_j|")
 }
 
-/// A row of the table of changes, of `total` entries.
+/// Returns a row of the table of changes, of `total` entries.
 fn row_of_change(change: &Change, total: usize) -> Value {
     let shown = |count: usize| match count {
         0 => "0".to_owned(),
@@ -242,7 +243,7 @@ fn row_of_change(change: &Change, total: usize) -> Value {
     }
 }
 
-/// A row of the table of errors.
+/// Returns a row of the table of errors.
 fn row_of_errors(outcome: &Outcome, classical: &Outcome) -> Value {
     context! {
         name => outcome.way.name,
@@ -300,7 +301,7 @@ impl Reference {
         Ok(Self { columns, norms })
     }
 
-    /// |C - A^T A| in units of u |a_i| |a_j|, in the lower triangle.
+    /// Returns |C - A^T A| in units of u |a_i| |a_j|, in the lower triangle.
     fn errors(&self, c: MatRef<'_, f64>) -> Mat<f64> {
         let n = c.ncols();
         let mut errors = Mat::zeros(n, n);

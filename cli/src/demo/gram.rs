@@ -56,7 +56,7 @@ pub fn station(_: &Site<'_>) -> Result<Station> {
     describe(&fits)
 }
 
-/// The polynomial with coefficients 1 through its own values (as NIST's data set Wampler1).
+/// Returns the polynomial with coefficients 1 through its own values (as NIST's data set Wampler1).
 fn fit(degree: usize) -> Result<Fit> {
     let a = Mat::from_fn(POINTS, degree + 1, |t, power| (t as f64).powi(power as i32));
     let b = Mat::from_fn(POINTS, 1, |t, _| a.row(t).iter().sum());
@@ -69,7 +69,7 @@ fn fit(degree: usize) -> Result<Fit> {
     Ok(Fit { degree, condition, errors })
 }
 
-/// By a Cholesky factor of A^T A in f64, which may break down.
+/// Solves by a Cholesky factor of A^T A in f64, which may break down.
 fn normal_equations(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Result<Option<Mat<f64>>> {
     let (gram, mut x) = (a.transpose() * a, a.transpose() * b);
     let Ok(factor) = Llt::new(gram.as_ref(), Side::Lower) else { return Ok(None) };
@@ -77,7 +77,7 @@ fn normal_equations(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Result<Option<Mat
     Ok(Some(x))
 }
 
-/// By Householder's QR factors of A.
+/// Solves by Householder's QR factors of A.
 fn qr(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Result<Option<Mat<f64>>> {
     let mut x = b.to_owned();
     Qr::new(a).solve_lstsq_in_place_with_conj(Conj::No, x.as_mut());
@@ -120,7 +120,7 @@ fn chart_of_errors(fits: &[Fit]) -> String {
     svg(&[chart])
 }
 
-/// Correct decimal digits in each way, from its error.
+/// Returns the correct decimal digits in each way, from its error.
 fn correct_digits(errors: &[Option<f64>; WAYS.len()]) -> Value {
     let [normal_equations, qr, ours] = errors.map(|error| match error {
         None => "breaks down".into(),

@@ -72,7 +72,7 @@ pub struct Site<'a> {
 }
 
 impl Site<'_> {
-    /// A file called `name` in the folder of the page.
+    /// Returns a file called `name` in the folder of the page.
     pub fn file(&self, name: &str) -> Result<Output> {
         Ok(Output::create(&self.folder.join(name), Overwrite::Replace)?)
     }
@@ -106,7 +106,7 @@ pub fn run(args: &Args) -> Result<()> {
     status!("written", path = path; "{path}")
 }
 
-/// Whether the folder is new, empty, or holds a page of ours.
+/// Returns whether the folder is new, empty, or holds a page of ours.
 fn may_write(folder: &Path) -> io::Result<bool> {
     let mut entries = match fs::read_dir(folder) {
         Ok(entries) => entries,

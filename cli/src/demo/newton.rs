@@ -99,7 +99,7 @@ fn surface(site: &Site<'_>) -> Result<usize> {
     Ok(positions.len())
 }
 
-/// A row of the table.
+/// Returns a row of the table.
 fn row(n: u32, size: u32) -> Result<Value> {
     let newton = power(n, 0.0)?;
     let points = Points::Grid(Grid::plane(size, size, [0.0; 2], 3.0));
@@ -115,7 +115,7 @@ fn row(n: u32, size: u32) -> Result<Value> {
     })
 }
 
-/// The number of roots of z^n = 1 among bicomplex numbers.
+/// Returns the number of roots of z^n = 1 among bicomplex numbers.
 fn roots(n: u32) -> u32 {
     n * n
 }

@@ -67,7 +67,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     Station::new("plant", "Plants that wilt", include_str!("stations/plant.html"), values)
 }
 
-/// A row of the table: a step, and an evaluation at some time.
+/// Returns a row of the table: a step, and an evaluation at some time.
 fn times(nodes: usize) -> Result<Value> {
     const STEPS: usize = 10;
     let plant = grow(&GrowthOptions::new().nodes(nodes))?;

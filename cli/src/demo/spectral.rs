@@ -104,7 +104,7 @@ fn eigenfunctions(site: &Site<'_>, pose: &Pose) -> Result<()> {
     render(&scene)?.write(site.file("eigenfunctions.png")?)
 }
 
-/// The figure as its coordinates are in three bases.
+/// Returns the figure as its coordinates are in three bases.
 fn approximation(site: &Site<'_>, pose: &Pose) -> Result<Vec<Outcome>> {
     let points = pose.mesh.vertices();
     let coordinates = Mat::from_fn(points.len(), 3, |i, j| points[i][j]);
@@ -131,7 +131,7 @@ fn approximation(site: &Site<'_>, pose: &Pose) -> Result<Vec<Outcome>> {
     Ok(outcomes)
 }
 
-/// A high eigenfunction, transferred by few and by products of them; the errors of both.
+/// Returns a high eigenfunction, transferred by few and by products of them; the errors of both.
 fn transfer(site: &Site<'_>, source: &Pose, target: &Pose) -> Result<[f64; 2]> {
     let par = Par::all();
     let (k, order) = TRANSFER;

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use catamaran::product::{Node, Task};
 use colorous::{Color, RAINBOW};
 
-/// The lower triangle of C with its owners, and the tree that says so.
+/// Draws the lower triangle of C with its owners, and the tree that says so.
 pub fn draw(tree: &Node, n: usize, processes: usize) -> String {
     const WIDTH: f64 = 480.0;
     const SIDE: f64 = 340.0;
@@ -32,7 +32,7 @@ pub fn draw(tree: &Node, n: usize, processes: usize) -> String {
     svg
 }
 
-/// Colour of a process, dark enough for white digits.
+/// Returns the colour of a process, dark enough for white digits.
 fn color(process: usize, processes: usize) -> String {
     let Color { r, g, b } = RAINBOW.eval_rational(process, processes + 1);
     let dim = |v: u8| (f64::from(v) * 0.72) as u8;

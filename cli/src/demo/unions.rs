@@ -84,7 +84,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     Station::new("unions", "Spectral unions", include_str!("stations/unions.html"), values)
 }
 
-/// The vertices between two shares of the height.
+/// Returns the vertices between two shares of the height.
 fn between(mesh: &TriMesh, low: f64, high: f64) -> Vec<bool> {
     let [bottom, top] = mesh.bounding_box().unwrap_or_default();
     let at = |share: f64| bottom[2] + share * (top[2] - bottom[2]);

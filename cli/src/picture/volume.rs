@@ -321,7 +321,7 @@ mod tests {
     const FRONT: View =
         View { azimuth: 0.0, elevation: 0.0, up: Up::Y, projection: Projection::Orthographic };
 
-    /// A cube of side 1 of one colour.
+    /// Returns a cube of side 1 of one colour.
     fn even(n: usize, extinction: f32) -> Volume {
         Volume {
             counts: [n; 3],

@@ -48,7 +48,7 @@ class Cholesky:
         return x[:, 0] if np.ndim(b) == 1 else x
 
     def refactor(self, a: Any, *, progress: Progress = None) -> None:
-        """Factorize another matrix in the same order, much sooner than anew.
+        """Factorize another matrix with the same pattern, without another analysis.
 
         Parameters
         ----------

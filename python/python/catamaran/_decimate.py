@@ -120,7 +120,7 @@ def decimate(
         units of the mesh. The result has as few vertices as a search finds, at most 2 % more than
         a number that is too small; `Difference.hausdorff_bound` is at most `error`.
     method : {"uniform", "thesis"}
-        "thesis" is the algorithm of the thesis to the letter, not a manifold in general.
+        "thesis" is the algorithm as the thesis states it; its result is not always a manifold.
     resample : bool
         Whether edges longer than those of the result are split first.
     lloyd, relaxation : int

@@ -31,7 +31,7 @@ const ALWAYS: [&str; 13] = [
     "verify",
 ];
 
-/// The feature that the functions of a file need.
+/// Returns the feature that the functions of a file need.
 fn feature_of(file: &str) -> Option<&'static str> {
     match file {
         "mpi" => Some("mpi"),
@@ -66,7 +66,7 @@ absent! {{ \"{feature}\":
     Ok(text)
 }
 
-/// The exported functions of a file: `fn name(argument: type, ...) -> type`.
+/// Returns the exported functions of a file: `fn name(argument: type, ...) -> type`.
 fn functions(source: &str) -> impl Iterator<Item = String> {
     source.split("#[unsafe(no_mangle)]").skip(1).filter_map(|rest| {
         let start = rest.find("fn ")?;
@@ -77,7 +77,7 @@ fn functions(source: &str) -> impl Iterator<Item = String> {
     })
 }
 
-/// A declaration with pointers to types that may be absent as pointers to `c_void`.
+/// Returns a declaration with pointers to types that may be absent as pointers to `c_void`.
 fn untyped(declaration: &str) -> String {
     let (name, rest) = declaration.split_at(declaration.find('(').unwrap_or(0));
     let mut text = name.to_owned();

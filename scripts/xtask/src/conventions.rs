@@ -17,7 +17,7 @@ fn header() -> Header {
     Header::parse(&text())
 }
 
-/// All that `broken` says of something, or nothing.
+/// Collects all that `broken` reports, or nothing.
 fn none_of(broken: impl IntoIterator<Item = String>) {
     let broken: Vec<String> = broken.into_iter().collect();
     assert!(broken.is_empty(), "{}", broken.join("\n"));

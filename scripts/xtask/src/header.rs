@@ -115,8 +115,8 @@ fn generate(root: &Path) -> Result<String, String> {
     Ok(header + CLOSING)
 }
 
-/// The beginning of a section: a comment with its title, text and example, which opens a group of
-/// the documentation.
+/// Returns the beginning of a section: a comment with its title, text and example, which opens a
+/// group of the documentation.
 fn opening(section: &Section, capi: &Path) -> Result<String, String> {
     let name = section.name;
     let mut source = None;

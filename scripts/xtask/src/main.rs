@@ -65,7 +65,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// The root of the repository, wherever cargo was called.
+/// Returns the root of the repository, wherever cargo was called.
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }

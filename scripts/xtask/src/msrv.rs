@@ -14,7 +14,7 @@ pub fn check(root: &Path) -> Result<(), String> {
     if newer.is_empty() { Ok(()) } else { Err(newer.join("\n")) }
 }
 
-/// The dependencies, direct or not, that ask for a newer Rust than we do.
+/// Returns the dependencies, direct or not, that ask for a newer Rust than we do.
 fn newer_dependencies(graph: &Graph) -> Result<Vec<String>, String> {
     let minimum = graph.ours().into_iter().find_map(version).ok_or("no rust-version")?;
     // Dependencies of tests do not reach our users.
@@ -28,7 +28,7 @@ fn newer_dependencies(graph: &Graph) -> Result<Vec<String>, String> {
     Ok(newer)
 }
 
-/// `rust_version` as numbers.
+/// Returns `rust_version` as numbers.
 fn version(package: &Value) -> Option<Vec<u32>> {
     let text = package["rust_version"].as_str()?;
     text.split('.').map(|part| part.parse().ok()).collect()

@@ -64,7 +64,7 @@ fn is_macro(package: &Value) -> bool {
     kinds.into_iter().any(|kind| kind == "proc-macro")
 }
 
-/// The lines of its license files that name whose a package is.
+/// Returns the lines of its license files that name whose a package is.
 fn copyrights(folder: &Path) -> Result<BTreeSet<String>, String> {
     let failed = |e: std::io::Error| format!("{}: {e}", folder.display());
     let mut lines = BTreeSet::new();
@@ -80,7 +80,7 @@ fn copyrights(folder: &Path) -> Result<BTreeSet<String>, String> {
     Ok(lines)
 }
 
-/// A line that says `Copyright` and whose, without what license texts say of copyright.
+/// Returns a line that says `Copyright` and whose, without what license texts say of copyright.
 fn copyright(line: &str) -> Option<String> {
     let line =
         line.trim_start_matches(|c: char| c.is_whitespace() || "*#/-".contains(c)).trim_end();

@@ -35,20 +35,20 @@ impl Graph {
         Ok(Self::of(&metadata))
     }
 
-    /// That of `metadata`.
+    /// Returns the packages that `metadata` lists.
     pub fn of(metadata: &Value) -> Self {
         let by_id = |all: &Value| list(all).iter().map(|v| (text(v, "id"), v.clone())).collect();
         Self { packages: by_id(&metadata["packages"]), nodes: by_id(&metadata["resolve"]["nodes"]) }
     }
 
-    /// Ours.
+    /// Returns the packages of this workspace.
     pub fn ours(&self) -> Vec<&Value> {
         let ours = |p: &&Value| OURS.contains(&text(p, "name").as_str()) && p["source"].is_null();
         self.packages.values().filter(ours).collect()
     }
 
-    /// Ours and all packages that they depend on, by dependencies of the kinds that `follow`
-    /// allows: `None` for normal ones, `build`, `dev`.
+    /// Returns ours and all packages that they depend on, by dependencies of the kinds that
+    /// `follow` allows: `None` for normal ones, `build`, `dev`.
     pub fn reached(&self, follow: impl Fn(&Value, Option<&str>) -> bool) -> Vec<&Value> {
         let mut waiting: Vec<String> = self.ours().iter().map(|p| text(p, "id")).collect();
         let mut seen = HashSet::new();
@@ -70,12 +70,12 @@ impl Graph {
     }
 }
 
-/// A text of a value, empty when it has none.
+/// Returns a text of a value, empty when it has none.
 pub fn text(value: &Value, key: &str) -> String {
     value[key].as_str().unwrap_or_default().to_owned()
 }
 
-/// A list of a value, empty when it is none.
+/// Returns a list of a value, empty when it is none.
 pub fn list(value: &Value) -> &[Value] {
     value.as_array().map_or(&[], Vec::as_slice)
 }

@@ -264,7 +264,8 @@ impl Device {
         if values.is_empty() {
             return Ok(());
         }
-        // SAFETY: the call blocks until `values` have been read.
+        // SAFETY: OpenCL refuses to write beyond the buffer, and the call blocks until `values`
+        // have been read.
         let sent =
             unsafe { self.0.queue.enqueue_write_buffer(buffer, CL_BLOCKING, 0, values, &[]) };
         self.keep(Kind::Transfer, sent.map_err(|e| self.failed("sending", e))?);

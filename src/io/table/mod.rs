@@ -1,7 +1,6 @@
-//! Text tables as people have them: what separates fields and digits, which rows have names and
-//! which cells are missing is decided from the beginning of the file ([`layout`]) and said
-//! ([`TableReading`]). What the file leaves open is an error that names the option
-//! ([`TableOptions`]) that decides.
+//! Text tables: the beginning of the file decides ([`layout`]) what separates fields and digits,
+//! which rows have names and which cells are missing, and [`TableReading`] reports it. What the
+//! file leaves open is an error that names the option of [`TableOptions`] that decides.
 //!
 //! The columns that are read are one matrix of numbers. A column of words ([`Words::Factor`]) is a
 //! factor: its entries are numbers of levels, and its [`TableColumn`] has the levels. Of a row with

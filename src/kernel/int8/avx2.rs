@@ -161,7 +161,7 @@ fn store(rows: [__m256i; 4], out: &mut Residues, r: usize, half: usize) {
         _mm256_slli_epi32::<24>(r3),
     );
     let line = &mut out.as_chunks_mut::<32>().0[2 * r + half];
-    // SAFETY: 32 bytes.
+    // SAFETY: `line` has the 32 bytes that are written; any alignment will do.
     unsafe { _mm256_storeu_si256(line.as_mut_ptr().cast(), _mm256_or_si256(low, high)) };
 }
 
@@ -308,7 +308,7 @@ fn multiply(left: &[Slice], right: &[Slice], sums: &mut PanelBlock<i32>) {
             for (sums, held) in sums.iter_mut().zip(held) {
                 for (c, held) in held.into_iter().enumerate() {
                     let mut pairs = [0_i32; 8];
-                    // SAFETY: 8 elements.
+                    // SAFETY: `pairs` has the 8 elements that are written; any alignment will do.
                     unsafe { _mm256_storeu_si256(pairs.as_mut_ptr().cast(), held) };
                     for (sum, pair) in sums[4 * c..].iter_mut().zip(pairs.chunks_exact(2)) {
                         *sum = sum.wrapping_add(pair[0].wrapping_add(pair[1]));

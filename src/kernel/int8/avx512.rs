@@ -44,7 +44,7 @@ impl Kernel for Vnni {
     fn norms_f64(&self, tile: &Tile<f64>) -> TileNorms {
         enabled! {
             fn run(tile: &Tile<f64>) -> TileNorms {
-                // SAFETY: a row is 16 elements.
+                // SAFETY: a row has 16 elements, of which 8 are read from 0 or 8 on.
                 norms(tile, |row| [0, 8].map(|j| unsafe { _mm512_loadu_pd(row.as_ptr().add(j)) }))
             }
         }
@@ -56,7 +56,7 @@ impl Kernel for Vnni {
         enabled! {
             fn run(tile: &Tile<f32>) -> TileNorms {
                 norms(tile, |row| {
-                    // SAFETY: a row is 16 elements.
+                    // SAFETY: a row has 16 elements, of which 8 are read from 0 or 8 on.
                     let half = |j: usize| unsafe { _mm256_loadu_ps(row.as_ptr().add(j)) };
                     [0, 8].map(|j| _mm512_cvtps_pd(half(j)))
                 })
@@ -125,7 +125,7 @@ enabled! {
             unsafe { _mm512_storeu_si512(bits.as_mut_ptr().cast(), largest) };
         }
         let (exponents, powers) = norm_exponents(bits);
-        // SAFETY: 8 of 16 elements each.
+        // SAFETY: an array has 16 elements, of which 8 are read from 0 or 8 on.
         let halves = |p: &[f64; WIDTH]| [0, 8].map(|j| unsafe { _mm512_loadu_pd(p.as_ptr().add(j)) });
         let (first, second) = (halves(&powers.first), halves(&powers.second));
         let mut sums = [_mm512_setzero_pd(); 2];

@@ -317,7 +317,7 @@ fn add_dots(left: &[Slice], right: &[Slice], sums: &mut PanelBlock<i32>) {
 #[inline]
 #[target_feature(enable = "neon")]
 fn add_to(sums: &mut [i32; 4], held: int32x4_t) {
-    // SAFETY: four numbers.
+    // SAFETY: `sums` has the four numbers that are read and written.
     unsafe { vst1q_s32(sums.as_mut_ptr(), vaddq_s32(vld1q_s32(sums.as_ptr()), held)) }
 }
 

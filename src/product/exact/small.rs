@@ -365,8 +365,8 @@ impl Bounds {
     }
 }
 
-/// The power of two that the entries of a column of this exponent are multiplied by first, since
-/// `2^exponent` may overflow.
+/// Returns the power of two that the entries of a column of this exponent are multiplied by first,
+/// since `2^exponent` may overflow.
 fn enlarged(exponent: i32) -> i32 {
     if exponent > 900 { 400 } else { 0 }
 }
@@ -471,7 +471,7 @@ impl<T: IntegerOperand> Multiply<'_, '_, '_, T> {
             let found = products::<L, T, COUNT>(lanes, left, factors);
             let present = 0..(self.c.nrows() - strip * LANES).min(LANES);
             // Zeros elsewhere: products of other columns must not raise exceptions.
-            // SAFETY: the units of a strip.
+            // SAFETY: a strip has LANES units, and `present` at most as many numbers.
             let units = unsafe { lanes.read_f64(strips.units[strip].as_ptr(), present.clone()) };
             for (j, &(_, exponent, unit)) in right.iter().enumerate() {
                 let value = if strips.moderate {

@@ -50,8 +50,8 @@ fn main() -> ExitCode {
     }
 }
 
-/// The exit code of a job that ends with the same error on all ranks: the first reports it and
-/// returns `code`, the others return success, for mpirun ends all when the first process fails,
+/// Returns the exit code of a job that ends with the same error on all ranks: the first reports it
+/// and returns `code`, the others return success, for mpirun ends all when the first process fails,
 /// possibly before the report.
 fn of_job(code: u8, report: impl FnOnce()) -> ExitCode {
     if Launch::of_process().is_some_and(|launch| !launch.speaks()) {

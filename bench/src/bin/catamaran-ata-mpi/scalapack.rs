@@ -339,7 +339,7 @@ fn blas(library: &Library, threads: usize) -> Result<String> {
 /// # Safety
 /// `F` must be the pointer type of that symbol.
 unsafe fn symbol<F: std::marker::Copy>(library: &Library, name: &str) -> Result<F> {
-    // SAFETY: passed on to the caller.
+    // SAFETY: `F` is the pointer type of the symbol, by the contract; it is only copied.
     Ok(*unsafe { library.get::<F>(name.as_bytes()) }?)
 }
 

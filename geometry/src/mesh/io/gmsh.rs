@@ -45,7 +45,7 @@ enum Version {
 }
 
 impl Version {
-    /// Whether nodes and elements are in blocks.
+    /// Returns whether nodes and elements are in blocks.
     fn has_blocks(self) -> bool {
         matches!(self, Self::FourZero | Self::Four)
     }

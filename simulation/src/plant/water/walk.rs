@@ -23,12 +23,12 @@ pub(crate) struct Times {
 }
 
 impl Times {
-    /// The times `step`, 2 `step`, ...
+    /// Returns the times `step`, 2 `step`, ...
     pub fn equal(step: f64, count: usize) -> Self {
         Self { count, last: step * count as f64, step: Some(step) }
     }
 
-    /// These ascending times.
+    /// Returns these ascending times.
     pub fn of(times: &[f64]) -> Self {
         let last = times.last().copied().unwrap_or(0.0);
         let step = times.get(1).map_or(last, |second| second - times[0]);

@@ -326,7 +326,7 @@ fn each<const N: usize>(bytes: &mut [u8], filter: impl Fn([f64; 4]) -> [f64; 4])
     }
 }
 
-/// Unit vectors, of integers of `N` bytes; the fourth number stays.
+/// Decodes unit vectors, of integers of `N` bytes; the fourth number stays.
 fn octahedral<const N: usize>(bytes: &mut [u8]) {
     let full = f64::from((1u32 << (8 * N - 1)) - 1);
     each::<N>(bytes, |[x, y, one, fourth]| {
@@ -340,7 +340,7 @@ fn octahedral<const N: usize>(bytes: &mut [u8]) {
     });
 }
 
-/// Unit quaternions without their largest number, whose place the last two bits have.
+/// Decodes unit quaternions without their largest number, whose place the last two bits have.
 fn quaternion(bytes: &mut [u8]) {
     each::<2>(bytes, |[x, y, z, last]| {
         let bits = last as i32;
