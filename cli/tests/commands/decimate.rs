@@ -157,7 +157,7 @@ fn levels_are_decimated_from_each_other_and_named_by_their_numbers() {
     let said = folder
         .succeed("decimate in.ply --levels 400,120,30 --lock fixed.txt -o lod-{}.ply --report");
     assert_eq!(said.matches("Hausdorff").count(), 3, "{said}");
-    let level = |n: usize| read(&folder.path(&format!("lod-{}.ply"))).unwrap();
+    let level = |n: usize| read(&folder.path(&format!("lod-{n}.ply"))).unwrap();
     for n in [400, 120, 30] {
         let made = level(n);
         assert_eq!(made.mesh.vertices().len(), n);
