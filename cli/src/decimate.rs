@@ -120,7 +120,7 @@ pub struct Args {
 /// Stands for the number of vertices in the names of results.
 const NUMBER: &str = "{}";
 
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum Kind {
     /// A manifold with exactly N vertices, relaxed.
     Uniform,
@@ -165,8 +165,15 @@ impl Tolerance {
         match self {
             Self::Length(length) => length,
             Self::Percent(percent) => {
-                let [low, high] = mesh.bounding_box().unwrap_or_default();
-                let square: f64 = (0..3).map(|k| (high[k] - low[k]).powi(2)).sum();
+                // Vertices without a face have no distance, and do not count here either.
+                let used = mesh.faces().iter().flatten().map(|&v| mesh.vertices()[v as usize]);
+                let mut sides = [(f64::INFINITY, f64::NEG_INFINITY); 3];
+                for p in used {
+                    for (side, x) in sides.iter_mut().zip(p) {
+                        *side = (side.0.min(x), side.1.max(x));
+                    }
+                }
+                let square: f64 = sides.iter().map(|(low, high)| (high - low).powi(2)).sum();
                 percent / 100.0 * square.sqrt()
             }
         }
@@ -183,6 +190,9 @@ enum Size {
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
+    if args.uniform && (args.relax == 0 || args.method == Kind::Thesis) {
+        bail!("--uniform: needs relaxation passes, not --relax 0 or --method thesis");
+    }
     let names = outputs(args)?;
     for name in &names {
         files::check_name(name)?;
@@ -207,7 +217,7 @@ pub fn run(args: &Args) -> Result<()> {
             None => Level::new(args, &input, size, args.first, &locked)?,
             Some(before) => {
                 // The locked vertices are the first ones of each level.
-                let stay: Vec<u32> = (0..locked.len() as u32).collect();
+                let stay: Vec<u32> = (0..before.found.locked as u32).collect();
                 Level::new(args, &before.file, size, None, &stay)?
             }
         };

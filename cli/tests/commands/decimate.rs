@@ -100,10 +100,22 @@ fn an_error_sets_the_number_of_vertices_and_the_report_has_the_distance_that_it_
     let said = folder.succeed("decimate in.ply --error 0.2% -o share.ply --report");
     assert!(bound(&said) <= 0.002 * 12f64.sqrt() && said.contains("Hausdorff"), "{said}");
     assert!(read(&folder.path("share.ply")).unwrap().mesh.vertices().len() > few.vertices().len());
+    // A vertex without a face, however far away, makes no percentage larger.
+    let (mut vertices, faces) = sphere().into_parts();
+    vertices.push([500.0; 3]);
+    let stray = MeshFile::from(TriMesh::new(vertices, faces).unwrap());
+    let output = Output::create(&folder.path("stray.ply"), Overwrite::Never).unwrap();
+    write(output, &stray).unwrap();
+    folder.succeed("decimate stray.ply --error 0.2% -o same.ply");
+    let [same, share] = ["same.ply", "share.ply"].map(|name| read(&folder.path(name)).unwrap());
+    assert_eq!(same.mesh, share.mesh);
     for (arguments, why) in [
         ("--error 0", "expected a positive length"),
         ("--error -1%", "expected a positive length"),
         ("--error 0.1 -n 100", "cannot be used with"),
+        ("--error 0.1 --levels 100,50", "cannot be used with"),
+        ("-n 100 --uniform --relax 0", "--uniform: needs relaxation passes"),
+        ("-n 100 --uniform --method thesis", "--uniform: needs relaxation passes"),
     ] {
         let run = folder.run(&format!("decimate in.ply {arguments} -o no.ply"));
         assert!(run.code != Some(0) && run.stderr.contains(why), "{}", run.stderr);
@@ -157,7 +169,7 @@ fn levels_are_decimated_from_each_other_and_named_by_their_numbers() {
     let said = folder
         .succeed("decimate in.ply --levels 400,120,30 --lock fixed.txt -o lod-{}.ply --report");
     assert_eq!(said.matches("Hausdorff").count(), 3, "{said}");
-    let level = |n: usize| read(&folder.path(&format!("lod-{}.ply"))).unwrap();
+    let level = |n: usize| read(&folder.path(&format!("lod-{n}.ply"))).unwrap();
     for n in [400, 120, 30] {
         let made = level(n);
         assert_eq!(made.mesh.vertices().len(), n);

@@ -59,7 +59,8 @@ impl Locks {
         self.vertices.binary_search(&v).is_ok()
     }
 
-    /// Returns the vertices and faces with the vertices that the caller names first, in that order.
+    /// Returns the vertices and faces with the vertices that the caller names first, in that order,
+    /// and then the other parts of those that were split.
     pub fn first(&self, found: Compact) -> Compact {
         if self.named.is_empty() {
             return found;
@@ -67,7 +68,9 @@ impl Locks {
         let at = vertices_at(&found.anchors, &found.locked);
         let named = self.named.iter().filter_map(|v| at.get(v).copied());
         let mut order: Vec<u32> = named.collect();
-        let known: HashSet<u32> = order.iter().copied().collect();
+        let mut known: HashSet<u32> = order.iter().copied().collect();
+        let parts = self.vertices.iter().filter_map(|v| at.get(v).copied());
+        order.extend(parts.filter(|&v| known.insert(v)));
         order.extend((0..found.positions.len() as u32).filter(|v| !known.contains(v)));
         let mut number = vec![0; order.len()];
         (0..).zip(&order).for_each(|(new, &old)| number[old as usize] = new);
@@ -107,7 +110,8 @@ fn vertices_at(anchors: &[u32], locked: &[bool]) -> HashMap<u32, u32> {
 pub(super) fn check_number(locks: &Locks, n: usize) -> Result<()> {
     let count = locks.vertices.len();
     if n < count {
-        let why = format!("{n}, but {count} vertices are locked");
+        let parts = if locks.named.len() < count { ", with all parts of split ones" } else { "" };
+        let why = format!("{n}, but {count} vertices are locked{parts}");
         return Err(Error::Argument { what: "n", why });
     }
     Ok(())

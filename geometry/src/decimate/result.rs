@@ -16,6 +16,9 @@ pub struct Decimation {
     /// For each vertex of the new mesh, the nearest point of the input. The vertex is off the input
     /// by half of the height of the input above the surrounding faces.
     pub places: Vec<SurfacePoint>,
+    /// Number of locked vertices, the first ones of the new mesh: those of the options in their
+    /// order, then further parts of those that repairs split.
+    pub locked: usize,
     /// Number of edges of the input between locked vertices.
     pub locked_edges: usize,
     /// Number of these edges that the new mesh does not have: edges longer than those of the new

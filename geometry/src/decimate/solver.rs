@@ -245,7 +245,7 @@ impl<'m, 'o> Decimator<'m, 'o> {
         )?;
         let places = sampler.samples().iter().map(|&v| at_vertex(surface, v)).collect();
         let cells = sampler.growth().cells(surface.scale);
-        self.finish(mesh, cells, places, [0; 2])
+        self.finish(mesh, cells, places, [0; 3])
     }
 
     fn uniform(&mut self, n: usize, progress: Progress<'_>) -> Result<Decimation> {
@@ -311,7 +311,7 @@ impl<'m, 'o> Decimator<'m, 'o> {
             reach(&mut patch)?;
         }
         let compact = locks.first(patch.compact());
-        let edges = [locks.edges.len(), locks.lost_edges(&compact)];
+        let locks = [locks.vertices.len(), locks.edges.len(), locks.lost_edges(&compact)];
         let Compact { positions, anchors, on_boundary: on_rim, faces, .. } = compact;
         let mesh = TriMesh::new(positions, faces)?;
         let places: Vec<SurfacePoint> = (0..n)
@@ -325,17 +325,17 @@ impl<'m, 'o> Decimator<'m, 'o> {
         growth.grow(surface, &place_seeds(surface, &mesh, &places), cutoff)?;
         growth.grow_on(surface)?;
         let cells = growth.cells(surface.scale);
-        self.finish(mesh, cells, places, edges)
+        self.finish(mesh, cells, places, locks)
     }
 
-    /// Returns the result in terms of the input, with the numbers of all edges between locked
-    /// vertices and of those that are lost.
+    /// Returns the result in terms of the input, with the numbers of locked vertices, of edges
+    /// between them, and of those edges that are lost.
     fn finish(
         &self,
         mesh: TriMesh,
         cells: Cells,
         mut places: Vec<SurfacePoint>,
-        [locked_edges, lost_edges]: [usize; 2],
+        [locked, locked_edges, lost_edges]: [usize; 3],
     ) -> Result<Decimation> {
         let Prepared { surface, vertices, faces, repairs } = &self.source.prepared;
         for (place, &p) in places.iter_mut().zip(mesh.vertices()) {
@@ -363,7 +363,17 @@ impl<'m, 'o> Decimator<'m, 'o> {
             (_, Err(error)) => return Err(error),
         };
         let repairs = *repairs;
-        Ok(Decimation { mesh, cells, places, locked_edges, lost_edges, repairs, before, after })
+        Ok(Decimation {
+            mesh,
+            cells,
+            places,
+            locked,
+            locked_edges,
+            lost_edges,
+            repairs,
+            before,
+            after,
+        })
     }
 }
 

@@ -1,7 +1,7 @@
 //! Decimation to as few vertices as a distance from the input allows.
 
 use super::difference::{Measured, largest};
-use super::options::DecimateOptions;
+use super::options::{DecimateOptions, Method};
 use super::result::Decimation;
 use super::size::vertices_for_edge_length;
 use super::solver::decimate;
@@ -53,13 +53,13 @@ pub fn decimate_within(
     error: f64,
     options: &DecimateOptions<'_>,
 ) -> Result<Decimation> {
-    positive("error", error)?;
     options.progress.watch(|| search(mesh, error, options))
 }
 
 fn search(mesh: &TriMesh, error: f64, options: &DecimateOptions<'_>) -> Result<Decimation> {
     let input = Measured::new(mesh)?;
-    let most = most_vertices(mesh, error);
+    positive("error", error)?;
+    let most = most_vertices(mesh, error, options);
     let mut bracket = Bracket { error, most, low: None, high: None };
     let mut best = None;
     let mut done = 0.0;
@@ -92,11 +92,15 @@ fn search(mesh: &TriMesh, error: f64, options: &DecimateOptions<'_>) -> Result<D
     })
 }
 
-/// Returns the largest number of vertices that is tried: that of the input, or, if that is less, as
-/// many as edges of the length `error` need, up to a bound.
-fn most_vertices(mesh: &TriMesh, error: f64) -> usize {
+/// Returns the largest number of vertices that is tried: that of the input, or, if that is less and
+/// edges are split, as many as edges of the length `error` need, up to a bound.
+fn most_vertices(mesh: &TriMesh, error: f64, options: &DecimateOptions<'_>) -> usize {
+    let there = mesh.vertices().len() - mesh.unreferenced_vertices().len();
+    if !options.resample || options.method == Method::Thesis {
+        return there;
+    }
     let fine = vertices_for_edge_length(mesh.area(), error).unwrap_or(MORE).min(MORE);
-    mesh.vertices().len().max(fine)
+    there.max(fine)
 }
 
 /// Returns an upper bound of the distance; where vertices are farther than `error`, their distance.

@@ -947,6 +947,26 @@ fn locks_survive_repairs_another_order_and_longer_edges() {
 }
 
 #[test]
+fn all_parts_of_a_locked_vertex_that_is_split_stay_behind_the_named_ones() {
+    let pages = families::pages(3).unwrap();
+    let mesh = resample(&pages, 0.05).unwrap().mesh;
+    let found = decimate(&mesh, 90, &options().locked(&[1, 0])).unwrap();
+    check("pages", &mesh, 90, &found);
+    // The ends of the common edge, one of each of the three pages.
+    assert_eq!(found.locked, 6);
+    let mut ends = found.mesh.vertices()[..6].to_vec();
+    assert_eq!(ends[..2], [1, 0].map(|v| mesh.vertices()[v]));
+    ends.sort_by(|p, q| p.partial_cmp(q).unwrap());
+    assert!(ends[0] == ends[2] && ends[3] == ends[5] && ends[2] != ends[3], "{ends:?}");
+    // So they stay in the next level, too.
+    let all: Vec<u32> = (0..6).collect();
+    let next = decimate(&found.mesh, 30, &options().locked(&all)).unwrap();
+    assert_eq!(next.mesh.vertices()[..6], found.mesh.vertices()[..6]);
+    let refused = decimate(&mesh, 5, &options().locked(&[1, 0])).unwrap_err().to_string();
+    assert_eq!(refused, "n: 5, but 6 vertices are locked, with all parts of split ones");
+}
+
+#[test]
 fn vertices_without_a_face_have_no_distance() {
     let square = families::grid(1, 1).unwrap();
     let mut vertices = square.vertices().to_vec();
@@ -998,6 +1018,16 @@ fn an_error_that_cannot_be_reached_is_refused_with_what_was_reached() {
         let refused = decimate_within(&mesh, error, &small).unwrap_err().to_string();
         assert!(refused.starts_with("error: "), "{refused}");
     }
+    // Fewer vertices than the search begins with, and edges that are not split.
+    for whole in [small.resample(false), small.method(Method::Thesis)] {
+        let found = decimate_within(&mesh, 0.2, &whole).unwrap().mesh;
+        assert!(found.vertices().len() < mesh.vertices().len());
+        let bound = Difference::between(&mesh, &found, Par::Seq).unwrap().hausdorff_bound;
+        assert!(bound <= 0.2, "{bound}");
+    }
+    let empty = TriMesh::new(vec![], vec![]).unwrap();
+    let refused = decimate_within(&empty, f64::NAN, &small).unwrap_err().to_string();
+    assert_eq!(refused, "mesh: has no face");
     // A large face needs more vertices than the input has.
     let solid = families::icosphere(0).unwrap();
     let found = decimate_within(&solid, 0.1, &options()).unwrap();
