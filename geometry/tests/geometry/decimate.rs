@@ -805,6 +805,29 @@ fn the_bound_of_the_distance_is_tight_for_surfaces_of_different_faces() {
     }
 }
 
+#[test]
+fn the_bound_of_the_distance_is_between_that_of_samples_and_that_with_their_spacing() {
+    let [(_, needles), (_, blade)] = thin_parts();
+    let meshes =
+        [("needles", needles), ("blade", blade), ("cylinder", cad_cylinder(64)), ("cube", cube())];
+    for (name, mesh) in meshes {
+        let spacing = 0.01 * mesh.area().sqrt();
+        for n in [40, 150] {
+            let made = decimate(&mesh, n, &options()).unwrap().mesh;
+            let bound = Difference::between(&mesh, &made, Par::Seq).unwrap().hausdorff_bound;
+            let sampled = [(&mesh, &made), (&made, &mesh)].map(|(of, from)| {
+                let samples = resample(of, spacing).unwrap().mesh;
+                Comparison::between(&samples, from, Par::Seq).unwrap().out.largest
+            });
+            let sampled = sampled[0].max(sampled[1]);
+            assert!(sampled <= bound * (1.0 + 1e-12), "{name} to {n}: {sampled}, {bound}");
+            // No point is farther from a corner of its face than the edges by the root of 3.
+            let most = 1.01 * (sampled + spacing / 3f64.sqrt());
+            assert!(bound <= most, "{name} to {n}: {bound}, {most}");
+        }
+    }
+}
+
 /// Checks that the first vertices of a result are these of the input, to the last bit, and that
 /// edges between them are there.
 fn check_locks(name: &str, mesh: &TriMesh, locked: &[u32], found: &Decimation) {
