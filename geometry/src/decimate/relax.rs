@@ -8,6 +8,7 @@ use super::handles::cut_narrow_handles;
 use super::loss::{gap_of_move, loss_of_flip};
 use super::patch::Patch;
 use super::quadric::Quadrics;
+use super::resolve::stays_regular;
 use super::surface::Surface;
 use crate::mesh::vector::{Vector, cross, dot, norm, scale, sub, unit};
 use catamaran::base::{Par, Progress, Result, spend};
@@ -77,6 +78,9 @@ enum Aim {
 const EVEN_PASSES: usize = 20;
 const EVEN_POWER: i32 = 8;
 const EVEN_STEP: f64 = 1.5 / EVEN_POWER as f64;
+
+/// Regularity of faces (see [`quality`](crate::mesh::quality)) below which these passes bring none.
+const EVEN_LEAST: f64 = 0.4;
 
 /// Operations that deciding about a flip is equal to.
 const TRIED: f64 = 500.0;
@@ -178,7 +182,12 @@ fn move_vertices(
     let vertices = patch.positions().len();
     let operations = MOVED * BLOCK as f64;
     let moves = par.map_blocks_asking(vertices, BLOCK, operations, |range| {
-        let found = range.map(|v| target(surface, quadrics, patch, aim, v as u32));
+        let found = range.map(|v| {
+            let v = v as u32;
+            let found = target(surface, quadrics, patch, aim, v)?;
+            let is_regular = |p| stays_regular(patch, v, p, EVEN_LEAST);
+            (aim == Aim::Regular || is_regular(found.point)).then_some(found)
+        });
         found.map(|found| found.map(|found| (found.point, found.vertex))).collect::<Vec<_>>()
     })?;
     move_all(patch, &moves.concat(), par);

@@ -62,7 +62,8 @@ fn untangle(surface: &Surface<'_>, patch: &mut Patch, f: u32) -> bool {
             let anchor = patch.anchors[v as usize];
             let is_on_boundary = patch.on_boundary[v as usize];
             let Some(found) = nearest(surface, anchor, is_on_boundary, target) else { continue };
-            if stays_regular(patch, v, found.point) && untangles_move(patch, v, found.point) {
+            let is_regular = stays_regular(patch, v, found.point, REGULAR);
+            if is_regular && untangles_move(patch, v, found.point) {
                 patch.move_to(v, (found.point, found.vertex));
                 return true;
             }
@@ -93,9 +94,11 @@ fn targets(patch: &Patch, v: u32) -> [Vector; 3] {
     [0.0, 0.5, 1.0].map(|part| std::array::from_fn(|k| here[k] + part * (middle[k] - here[k])))
 }
 
-fn stays_regular(patch: &Patch, v: u32, p: Vector) -> bool {
+/// Returns whether no face around v becomes less regular than `regular` by a move of v to p, unless
+/// it is so before.
+pub(super) fn stays_regular(patch: &Patch, v: u32, p: Vector, regular: f64) -> bool {
     patch.around(v).iter().map(|&f| patch.faces[f as usize]).all(|face| {
-        let least = quality(patch.corners_at(face)).min(REGULAR);
+        let least = quality(patch.corners_at(face)).min(regular);
         quality(patch.corners_with(face, [v, v], p)) >= least
     })
 }

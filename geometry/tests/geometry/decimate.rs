@@ -232,6 +232,22 @@ fn thin_parts() -> [(&'static str, TriMesh); 2] {
 }
 
 #[test]
+fn even_areas_make_no_slivers_of_the_faces_of_thin_parts() {
+    for (name, mesh) in thin_parts() {
+        for n in [300, 600] {
+            let [without, with] = [false, true].map(|uniform| {
+                let found = decimate(&mesh, n, &options().uniform(uniform)).unwrap();
+                Quality::of(&found.mesh)
+            });
+            // The last step, which raises vertices, may take a bit.
+            let least = 0.8 * without.least_quality.min(0.4);
+            assert!(with.least_quality >= least, "{name} to {n}: {with}, not {without}");
+            assert!(with.area_variation < without.area_variation, "{name} to {n}: {with}");
+        }
+    }
+}
+
+#[test]
 fn thin_parts_are_not_cut_short() {
     for (name, mesh) in thin_parts() {
         for n in [300, 600] {
@@ -802,6 +818,29 @@ fn the_bound_of_the_distance_is_tight_for_surfaces_of_different_faces() {
         // The middle of a face is nearly its deepest point; the finest ball is .0002 inside.
         assert!(bound >= deepest - 3e-4 && bound <= 1.02 * deepest, "{bound}, {deepest}");
         assert_eq!(bound, Difference::between(&ball, &finest, Par::Seq).unwrap().hausdorff_bound);
+    }
+}
+
+#[test]
+fn the_bound_of_the_distance_is_between_that_of_samples_and_that_with_their_spacing() {
+    let [(_, needles), (_, blade)] = thin_parts();
+    let meshes =
+        [("needles", needles), ("blade", blade), ("cylinder", cad_cylinder(64)), ("cube", cube())];
+    for (name, mesh) in meshes {
+        let spacing = 0.01 * mesh.area().sqrt();
+        for n in [40, 150] {
+            let made = decimate(&mesh, n, &options()).unwrap().mesh;
+            let bound = Difference::between(&mesh, &made, Par::Seq).unwrap().hausdorff_bound;
+            let sampled = [(&mesh, &made), (&made, &mesh)].map(|(of, from)| {
+                let samples = resample(of, spacing).unwrap().mesh;
+                Comparison::between(&samples, from, Par::Seq).unwrap().out.largest
+            });
+            let sampled = sampled[0].max(sampled[1]);
+            assert!(sampled <= bound * (1.0 + 1e-12), "{name} to {n}: {sampled}, {bound}");
+            // No point is farther from a corner of its face than the edges by the root of 3.
+            let most = 1.01 * (sampled + spacing / 3f64.sqrt());
+            assert!(bound <= most, "{name} to {n}: {bound}, {most}");
+        }
     }
 }
 
