@@ -304,15 +304,17 @@ pub unsafe extern "C" fn cata_map_zoomout(
 }
 
 /// Searches for the map of two nearly isometric meshes of which no correspondence is known, and
-/// refines it by ZoomOut to the whole MAP (r_target x r_source, written): the one that commutes best
-/// with the Laplacians among those that keep the orientation, left and right.
+/// refines it by ZoomOut to the whole MAP (r_target x r_source, written): the one that commutes
+/// best with the Laplacians among those that keep the orientation, left and right.
 ///
 /// - `source`, `target`, `points`: as in cata_map_icp; 40 functions or more are best.
 /// - `source_vertices`, `target_vertices`: 3 elements for each vertex of a basis; the faces: 3 for
 ///   each.
-/// - `commutativity`: written: |C L - L' C|^2 / |L|^2 for area 1; `next`: that of the next best map,
-///   infinite without one, nearly as small where only landmarks could decide; `orientation`:
-///   written: below 0.2, no map keeps it. Each is NULL where not wanted.
+/// - `is_ambiguous`: written: 1 where another map may be the true one, so that the map is to be
+///   checked, or found from landmarks; 0 otherwise. It is required.
+/// - `commutativity`: written: |C L - L' C|^2 / |L|^2 for area 1; `next`: that of the next best
+///   map, infinite without one; `orientation`: written: from -1 to 1, of a map that keeps it near
+///   1. Each is NULL where not wanted.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -330,6 +332,7 @@ pub unsafe extern "C" fn cata_map_search(
     map: *mut f64,
     ldmap: usize,
     points: *mut u32,
+    is_ambiguous: *mut i32,
     commutativity: *mut f64,
     next: *mut f64,
     orientation: *mut f64,
@@ -340,6 +343,8 @@ pub unsafe extern "C" fn cata_map_search(
         // SAFETY: clause `passed on` (`eigenbases`).
         let (source, target) = unsafe { eigenbases(source, target) }?;
         let [n, m] = [source, target].map(|eigen| eigen.basis().vertices());
+        // SAFETY: clause `memory` (`is_ambiguous`, one value).
+        let ambiguous = unsafe { output("is_ambiguous", is_ambiguous)? };
         // SAFETY: clause `memory` (the meshes, 3 numbers a vertex and 3 indices a face; `map`,
         // `target.len()` x `source.len()`), clause `passed on` (`points_out`).
         let (from, to, mut map, points) = unsafe {
@@ -360,6 +365,7 @@ pub unsafe extern "C" fn cata_map_search(
                 Ok((found, refined))
             })
         }?;
+        *ambiguous = i32::from(found.is_ambiguous());
         // SAFETY: clause `memory` (`commutativity`, `next`, `orientation`, one value each).
         unsafe {
             tell!(

@@ -601,11 +601,8 @@ fn searched(args: &Args, source: &Shape, target: &Shape) -> Result<FoundMap> {
         "found by a search: commutes with the Laplacians up to {defect:.4}{next}; orientation \
          {orientation:.2}"
     )?;
-    if found.is_ambiguous() {
-        note(format_args!(
-            "another map fits as well, or none keeps left and right apart: check the result, or \
-             give --landmarks"
-        ));
+    if let Some(doubt) = found.doubt() {
+        note(format_args!("{doubt}: check the result, or give --landmarks"));
     }
     Ok(found)
 }

@@ -350,11 +350,13 @@ inline functional_map zoomout(matrix_view<const double> map, const basis& source
 struct found_map {
     /// The map between all functions, and its points.
     functional_map map;
+    /// Whether another map may be the true one, so that this one is to be checked.
+    bool is_ambiguous = false;
     /// |C L - L' C|^2 / |L|^2 for meshes of area 1.
     double commutativity = 0.0;
     /// That of the next best map that keeps the orientation; infinite without one.
     double next = 0.0;
-    /// From -1 to 1; below 0.2, no map keeps the orientation.
+    /// From -1 to 1; near 1 for a map that keeps the orientation.
     double orientation = 0.0;
 };
 
@@ -369,13 +371,15 @@ inline found_map search_map(const basis& source, const basis& target, const mesh
     found.map.cols = source.size();
     found.map.entries.resize(found.map.rows * found.map.cols);
     found.map.points.resize(target.vertices());
+    std::int32_t is_ambiguous = 0;
     detail::basis_call call(how);
     call.finish(cata_map_search(source.get(), target.get(), source_mesh.vertices,
                                 source_mesh.n_faces, source_mesh.faces, target_mesh.vertices,
                                 target_mesh.n_faces, target_mesh.faces, CATA_COL_MAJOR,
                                 found.map.entries.data(), found.map.rows ? found.map.rows : 1,
-                                found.map.points.data(), &found.commutativity, &found.next,
-                                &found.orientation, call.params()));
+                                found.map.points.data(), &is_ambiguous, &found.commutativity,
+                                &found.next, &found.orientation, call.params()));
+    found.is_ambiguous = is_ambiguous != 0;
     return found;
 }
 

@@ -257,7 +257,8 @@ enum Refinement {
     ZoomOut,
 }
 
-/// A functional map and the points that it says correspond; see `catamaran.functional_map`.
+/// A functional map, the points that it says correspond, and why it may be wrong; see
+/// `catamaran.functional_map`.
 #[pyfunction]
 #[pyo3(signature = (
     source, target, meshes, k, landmarks, functions, signatures, commutativity, refine, threads,
@@ -276,7 +277,7 @@ pub fn functional_map<'py>(
     refine: &str,
     threads: Threads,
     progress: Option<Py<PyAny>>,
-) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>, Option<&'static str>)> {
     let par = par(threads)?;
     for (basis, len) in [(source, k.0), (target, k.1)] {
         check_count(len, basis.get().pieces).map_err(exception)?;
@@ -302,12 +303,13 @@ pub fn functional_map<'py>(
         if let Some((from, to)) = &meshes {
             let (searching, refining) = (progress.part(0.0..0.5), progress.part(0.5..1.0));
             let found = search_map((from, source), (to, target), par, searching)?;
-            let bases = (low.0.basis(), low.1.basis());
+            let (bases, doubt) = ((low.0.basis(), low.1.basis()), found.doubt());
             let (c, step) = match refine {
                 Refinement::ZoomOut => (found.map, FoundMap::STEP),
                 _ => (found.between(bases, (source, target), par, Progress::none())?, STEP),
             };
-            return refined(c, (source, target), &low, (refine, step), par, refining);
+            let found = refined(c, (source, target), &low, (refine, step), par, refining)?;
+            return Ok((found, doubt));
         }
         let mut fit = MapFit::new(&low.0, &low.1, par);
         if let Some(pairs) = &landmarks {
@@ -321,9 +323,10 @@ pub fn functional_map<'py>(
             fit.signatures(source, target)?;
         }
         let c = fit.solve(commutativity)?;
-        refined(c, (source, target), &low, (refine, STEP), par, progress)
+        Ok((refined(c, (source, target), &low, (refine, STEP), par, progress)?, None))
     })?;
-    Ok((from_matrix(py, found.0.as_ref())?.into_any(), numbers(py, found.1)))
+    let ((map, points), doubt) = found;
+    Ok((from_matrix(py, map.as_ref())?.into_any(), numbers(py, points), doubt))
 }
 
 fn refined(

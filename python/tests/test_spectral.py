@@ -1,6 +1,7 @@
 """Eigenproducts, functional maps, transfer."""
 
 import numpy as np
+import pytest
 
 import catamaran
 from catamaran import shapes
@@ -44,7 +45,8 @@ def test_a_map_is_found_without_correspondences():
     assert np.mean(found.points == order) > 0.9
     # A basis has no faces, by which left and right could be told.
     basis = catamaran.Eigenbasis(v, f, 31)
-    fitted = catamaran.functional_map(basis, basis, k=10, zoom=30)
+    with pytest.warns(UserWarning, match="an Eigenbasis has no faces.*give landmarks"):
+        fitted = catamaran.functional_map(basis, basis, k=10, zoom=30)
     assert fitted.map.shape == (31, 31)
 
 

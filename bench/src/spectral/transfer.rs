@@ -50,14 +50,14 @@ pub const SETTINGS: [Setting; 6] = [
 const COLUMNS: [&str; 5] = ["K", "prods", "ours", "ours*", "NK"];
 
 /// Number of vertices whose correspondence is given, in addition to descriptors.
-const LANDMARKS: usize = 7;
+pub(super) const LANDMARKS: usize = 7;
 /// Number of landmarks at which errors are measured, in table 1.5.
-const EVALUATED: usize = 50;
+pub(super) const EVALUATED: usize = 50;
 /// Number of iterations of ICP.
 const ICP: usize = 5;
 
 /// The thesis' errors, in per cent.
-const THESIS: [[[f64; 5]; 9]; 5] = [
+static THESIS: [[[f64; 5]; 9]; 5] = [
     [
         [70.3, 64.4, 50.9, 52.0, 17.7],
         [78.4, 61.3, 52.8, 55.9, 56.4],
@@ -118,15 +118,21 @@ const THESIS: [[[f64; 5]; 9]; 5] = [
 impl Setting {
     /// Returns the order of products, and the numbers of eigenfunctions of source and target
     /// besides the constant.
-    fn parameters(self) -> (usize, [usize; 2]) {
+    pub(super) fn parameters(self) -> (usize, [usize; 2]) {
         match self {
             Self::Isometric | Self::Graded | Self::Distant => (3, [12, 12]),
             Self::People | Self::Brains | Self::Remeshed => (2, [30, 40]),
         }
     }
 
+    /// Returns the errors of the thesis in per cent, a row for each function, a column for each of
+    /// K, prods, ours, ours* and NK.
+    pub(super) fn thesis(self) -> &'static [[f64; 5]; 9] {
+        &THESIS[self.table().1]
+    }
+
     /// Returns the table of the thesis: its number, and its index from table 1.2 on.
-    fn table(self) -> (&'static str, usize) {
+    pub(super) fn table(self) -> (&'static str, usize) {
         match self {
             Self::Isometric => ("1.2", 0),
             Self::People => ("1.3", 1),
@@ -199,7 +205,7 @@ pub fn transfer(shapes: &Shapes, setting: Setting) -> Result<Option<Table>> {
 }
 
 /// Returns pairs of corresponding vertices, spread over the target.
-fn landmarks(pair: &Pair) -> Vec<(u32, u32)> {
+pub(super) fn landmarks(pair: &Pair) -> Vec<(u32, u32)> {
     let samples = pair.samples(LANDMARKS).into_iter();
     samples.map(|v| (pair.truth[v as usize], v)).collect()
 }
@@ -277,11 +283,25 @@ impl Bases {
     /// # Errors
     /// The errors of the library.
     pub fn by(&self, c: MatRef<'_, f64>) -> Result<Ways<'_>> {
+        let (source, target) = (self.source.basis(), self.target.basis());
+        let points = points_from_map(c, source, target, Par::all(), Progress::none())?;
+        self.ways(c, &points)
+    }
+
+    /// Returns the transfers along points, a vertex of the source for each of the target.
+    ///
+    /// # Errors
+    /// The errors of the library.
+    pub fn along(&self, points: &[u32]) -> Result<Ways<'_>> {
+        let c = map_from_points(points, self.source.basis(), self.target.basis(), Par::all())?;
+        self.ways(c.as_ref(), points)
+    }
+
+    fn ways(&self, c: MatRef<'_, f64>, points: &[u32]) -> Result<Ways<'_>> {
         let par = Par::all();
         let (source, target) = (self.source.basis(), self.target.basis());
-        let points = points_from_map(c, source, target, par, Progress::none())?;
         let along = |[from, to]: &'_ [ProductBasis; 2]| {
-            map_from_points(&points, from.basis(), to.basis(), par)
+            map_from_points(points, from.basis(), to.basis(), par)
         };
         let [ours, star] = [&self.ours, &self.ours_star];
         Ok(Ways {

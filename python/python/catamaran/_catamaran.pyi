@@ -380,7 +380,7 @@ def functional_map(
     refine: str,
     threads: Optional[int],
     progress: Callback,
-) -> Tuple[Array, Array]: ...
+) -> Tuple[Array, Array, Optional[str]]: ...
 def product_map(
     source: Eigenbasis,
     target: Eigenbasis,

@@ -8,7 +8,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
-from ._options import Progress, callback, part, to_nearest, to_scipy, warn_of_pieces
+from ._options import (
+    Progress,
+    callback,
+    part,
+    to_nearest,
+    to_scipy,
+    warn_caller,
+    warn_of_pieces,
+)
 from ._show import axes
 from ._surface import Mesh, MeshLike, MeshOrArrays, mesh_arrays, takes_mesh, with_mesh
 from ._words import Kind, Method, Refinement
@@ -344,13 +352,15 @@ def functional_map(
     """Find which functions and vertices of two meshes correspond.
 
     Without landmarks and functions, the map between two meshes is searched for: the one that
-    commutes best with the Laplacians and keeps left and right.
+    commutes best with the Laplacians and keeps left and right. A warning tells where another map
+    may be the true one.
 
     Parameters
     ----------
     source, target : (v, f), a mesh or Eigenbasis
         The meshes. Bases of (v, f) have k + 1 functions, or `zoom` for "zoomout". For an Eigenbasis
-        there is no search: without landmarks and functions, the map is fitted to signatures alone.
+        there is no search: without landmarks and functions, the map is fitted to signatures alone,
+        which don't tell left from right, and a warning says so.
     landmarks : array_like, count x 2, optional
         Corresponding vertices.
     functions : (array_like, array_like), optional
@@ -389,10 +399,12 @@ def functional_map(
     lens = (both[0] + 1, both[1] + 1)
     more = [max(n, zoom) if refine == "zoomout" else n for n in lens]
     bases, rest = _bases((source, target), more, weld, threads, progress)
-    found = _catamaran.functional_map(
+    is_unknown = landmarks is None and functions is None
+    meshes = _searched((source, target)) if is_unknown else None
+    map, points, doubt = _catamaran.functional_map(
         bases[0],
         bases[1],
-        _searched((source, target)) if landmarks is None and functions is None else None,
+        meshes,
         lens,
         landmarks,
         functions,
@@ -402,7 +414,11 @@ def functional_map(
         threads,
         callback(rest),
     )
-    return FunctionalMap(*found)
+    if is_unknown and meshes is None:
+        doubt = "an Eigenbasis has no faces to search by, and signatures don't tell left from right"
+    if doubt is not None:
+        warn_caller(f"{doubt}: check the result, or give landmarks")
+    return FunctionalMap(map, points)
 
 
 def product_map(

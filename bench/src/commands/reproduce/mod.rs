@@ -37,11 +37,14 @@ pub struct Arguments {
     /// Chapters 4, 7 and 8: repetitions of races.
     #[arg(long, default_value_t = 5, value_name = "N")]
     repeat: usize,
-    /// Only a part: of chapter 4 figures, leaves, water or rods; of chapters 3 and 7 figures,
-    /// tables, long or gpu; of chapter 8 figures, or squares or threads: figures 8.3 and 8.5 at the
-    /// thesis' sizes.
+    /// Only a part: of chapter 1 thesis, tables 1.2 to 1.6 on the shapes of CATAMARAN_THESIS_DATA;
+    /// of chapter 4 figures, leaves, water or rods; of chapters 3 and 7 figures, tables, long or
+    /// gpu; of chapter 8 figures, or squares or threads: figures 8.3 and 8.5 at the thesis' sizes.
     #[arg(long, value_name = "PART")]
     only: Option<String>,
+    /// Chapter 1, thesis: pairs of each table, at most.
+    #[arg(long, default_value_t = 20, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pairs: u32,
     /// Chapter 8: the most columns of a matrix [default: 7500; of squares and threads those of the
     /// thesis].
     #[arg(long, value_name = "N")]
@@ -123,6 +126,7 @@ impl Report {
 #[derive(Clone, Copy)]
 enum Share {
     Whole,
+    Thesis,
     Plant(plant::Share),
     Textures(textures::Share),
     Ata(ata::Share),
@@ -141,10 +145,12 @@ impl Arguments {
             });
         };
         let share = match self.what {
+            What::Spectral if only == "thesis" => Share::Thesis,
+            What::Spectral => return Err(format!("--only: must be thesis, is {only}").into()),
             What::Plant => Share::Plant(named(only)?),
             What::Textures => Share::Textures(named(only)?),
             What::Ata => Share::Ata(named(only)?),
-            _ => return Err("--only: applies to plant, textures and ata only".into()),
+            _ => return Err("--only: applies to spectral, plant, textures and ata only".into()),
         };
         Ok(vec![share])
     }
@@ -178,6 +184,10 @@ fn run_share(arguments: &Arguments, share: Share) -> Result<()> {
             };
             plant::run(&mut report, share, arguments)?;
             (share.name(), plant::HEADER)
+        }
+        What::Spectral if matches!(share, Share::Thesis) => {
+            spectral::thesis(&mut report, arguments.pairs as usize)?;
+            ("spectral-thesis", spectral::HEADER)
         }
         What::Spectral => {
             spectral::run(&mut report, arguments.quick)?;

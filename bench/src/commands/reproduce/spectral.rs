@@ -5,6 +5,7 @@ use std::rc::Rc;
 use catamaran_bench::Result;
 use catamaran_bench::curves::Plot;
 use catamaran_bench::race::median;
+use catamaran_bench::spectral::thesis::{Data, SETS, measure};
 use catamaran_bench::spectral::{
     Case, Frequencies, Known, METHODS, MOST, PRODUCTS, REFINEMENTS, SETTINGS, Shape, Shapes, Table,
     approximated, approximation, cardinality, colours, eigenpowers, filters, frequencies, heat,
@@ -41,6 +42,25 @@ pub fn run(report: &mut Report, quick: bool) -> Result<()> {
     theory(report, &shapes.single(90)?)?;
     maps(report, &shapes)?;
     cases(report, &shapes)
+}
+
+/// Reproduces tables 1.2 to 1.6 on the thesis' own shapes, at most this number of pairs each.
+pub fn thesis(report: &mut Report, pairs: usize) -> Result<()> {
+    // Before any other work, so that missing data are told at once.
+    let data = Data::find()?;
+    report.say(
+        "# Tables 1.2 to 1.6 on the thesis' shapes\n\nErrors in per cent, those of the thesis in brackets: relative over \
+         the surface, and in tables 1.5 and 1.6 means of `|f - g|` at landmarks, for functions divided by their largest \
+         values. Meshes have area 1 and their centre at the origin; XYZ is the mean of three coordinates. `rings` stands \
+         for AWFT. ZoomOut ends with 100 eigenfunctions; *pull-back* takes values at its points.\n",
+    );
+    for set in SETS {
+        if let Some(table) = measure(&data, set, pairs)? {
+            report.say(&table.markdown());
+            report.lines.extend(table.lines());
+        }
+    }
+    Ok(())
 }
 
 /// Reports ZoomOut in products, which section 1.5 of the thesis proposes.

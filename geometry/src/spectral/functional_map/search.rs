@@ -46,13 +46,16 @@ const SAME: f64 = 0.5;
 /// Correlation of turns above which a map keeps the orientation.
 const ORIENTED: f64 = 0.2;
 
+/// Factor of the commutativity below which another map fits almost as well.
+const CLOSE: f64 = 1.1;
+
 /// A functional map that was found without known correspondences.
 #[derive(Debug, Clone)]
 pub struct FoundMap {
     /// The map, k x k, between the first k functions of both bases: at most 40.
     pub map: Mat<f64>,
     /// How far the map is from commuting with the Laplacians: `|C L - L' C|^2 / |L|^2`, for meshes
-    /// of area 1. About .02 to .04 for the true map between bodies of different people.
+    /// of area 1.
     pub commutativity: f64,
     /// Whether the map keeps the orientation: the correlation, from -1 to 1, of `n . (grad f x grad
     /// g)` for pairs of functions on the target and their images.
@@ -84,13 +87,21 @@ impl FoundMap {
         map_from_points(&points, low.0, low.1, par)
     }
 
-    /// Returns whether another map fits almost as well, or none keeps the orientation, so that only
-    /// known correspondences could decide.
+    /// Returns why another map may be the true one, so that only known correspondences could decide;
+    /// `None` where nothing speaks against this one.
+    pub fn doubt(&self) -> Option<&'static str> {
+        if self.orientation < ORIENTED {
+            Some("no map that keeps left and right was found")
+        } else if self.next.is_some_and(|next| next < CLOSE * self.commutativity) {
+            Some("another map fits almost as well")
+        } else {
+            None
+        }
+    }
+
+    /// Returns whether there is a [`doubt`](Self::doubt).
     pub fn is_ambiguous(&self) -> bool {
-        /// Between bodies of different people, the next map is 1.03 to 2 times as far.
-        const CLOSE: f64 = 1.1;
-        self.orientation < ORIENTED
-            || self.next.is_some_and(|next| next < CLOSE * self.commutativity)
+        self.doubt().is_some()
     }
 }
 
