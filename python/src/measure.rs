@@ -158,8 +158,8 @@ pub fn compare<'py>(
     Ok([numbers(found.out), numbers(found.back)])
 }
 
-/// Returns Hausdorff and chamfer distances, both as the thesis prints them, and an upper bound of the
-/// first for all points; see `catamaran.Decimated.difference`.
+/// Returns Hausdorff and chamfer distances, both as the thesis prints them, and an upper bound of
+/// the first for all points; see `catamaran.Decimated.difference`.
 #[pyfunction]
 #[pyo3(signature = (first, second, threads))]
 pub fn difference<'py>(

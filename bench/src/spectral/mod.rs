@@ -1,9 +1,9 @@
 //! Chapter 1 of the thesis, measured again: theorem 1.1, figures 1.4 to 1.6, 1.10 to 1.17, 1.19 and
 //! 1.20, tables 1.1 to 1.6.
 //!
-//! The protocol is the thesis', on other shapes, so that its numbers are comparable with ours in the
-//! order of the methods, not in their values. [`thesis`] has tables 1.2 to 1.6 on the thesis' shapes,
-//! as far as they are public.
+//! The protocol is the thesis', on other shapes, so that its numbers are comparable with ours in
+//! the order of the methods, not in their values. [`thesis`] has tables 1.2 to 1.6 on the thesis'
+//! shapes, as far as they are public.
 
 mod approximation;
 mod cases;

@@ -46,8 +46,8 @@ const ALONG: f64 = 0.3;
 ///
 /// Around each point, the nearest points on the same sheet of the surface are turned into its
 /// tangent plane, and the triangles at the point are those of the Delaunay triangulation there. The
-/// result is the tufted Laplacian of all these triangles, divided by three. The boundary consists of
-/// loops of points beside an empty circle; holes of less than two spacings are closed.
+/// result is the tufted Laplacian of all these triangles, divided by three. The boundary consists
+/// of loops of points beside an empty circle; holes of less than two spacings are closed.
 ///
 /// ```
 /// use catamaran_geometry::mesh::{CloudOptions, cloud_laplacian, families};

@@ -26,9 +26,9 @@ struct Rows {
     lumped: Vec<f64>,
 }
 
-/// Sums the elements into these rows of the matrices of n vertices. A face may have a vertex twice (see
-/// [`super::Complex`]). Weights that are negative by less than `rounding`, relative to 1 and to the
-/// sizes of their summands, are set to zero.
+/// Sums the elements into these rows of the matrices of n vertices. A face may have a vertex twice
+/// (see [`super::Complex`]). Weights that are negative by less than `rounding`, relative to 1 and
+/// to the sizes of their summands, are set to zero.
 ///
 /// Every row is summed separately in the order of faces, so that the result is symmetric bit for
 /// bit and the same for any number of threads.
