@@ -111,7 +111,7 @@ fn an_error_sets_the_number_of_vertices_and_the_report_has_the_distance_that_it_
     assert_eq!(same.mesh, share.mesh);
     for (arguments, why) in [
         ("--error 0", "expected a positive length"),
-        ("--error -1%", "expected a positive length"),
+        ("--error=-1%", "expected a positive length"),
         ("--error 0.1 -n 100", "cannot be used with"),
         ("--error 0.1 --levels 100,50", "cannot be used with"),
         ("-n 100 --uniform --relax 0", "--uniform: needs relaxation passes"),
