@@ -46,7 +46,8 @@ const SAME: f64 = 0.5;
 /// Correlation of turns above which a map keeps the orientation.
 const ORIENTED: f64 = 0.2;
 
-/// Factor of the commutativity below which another map fits almost as well.
+/// Factor of the commutativity below which another map fits almost as well, and above which one
+/// fits better.
 const CLOSE: f64 = 1.1;
 
 /// A functional map that was found without known correspondences.
@@ -62,6 +63,8 @@ pub struct FoundMap {
     pub orientation: f64,
     /// The commutativity of the next best map that keeps the orientation; `None` if there is none.
     pub next: Option<f64>,
+    /// The commutativity of the best map that reverses the orientation; `None` if there is none.
+    pub mirrored: Option<f64>,
 }
 
 impl FoundMap {
@@ -94,6 +97,9 @@ impl FoundMap {
             Some("no map that keeps left and right was found")
         } else if self.next.is_some_and(|next| next < CLOSE * self.commutativity) {
             Some("another map fits almost as well")
+        } else if self.mirrored.is_some_and(|mirrored| CLOSE * mirrored < self.commutativity) {
+            // On a shape with a left and a right, its mirror image was missed.
+            Some("a map that exchanges left and right fits better")
         } else {
             None
         }
@@ -177,6 +183,7 @@ pub fn search_map(
     };
     let orientations: Vec<f64> = found.iter().map(orientation).collect();
     let mut oriented = (0..found.len()).filter(|&i| orientations[i] >= ORIENTED);
+    let mirrored = (0..found.len()).find(|&i| orientations[i] <= -ORIENTED);
     // Candidates are in ascending order. Where none keeps the orientation, the best of all.
     let best = oriented.next().unwrap_or(0);
     Ok(FoundMap {
@@ -184,6 +191,7 @@ pub fn search_map(
         commutativity: found[best].defect,
         orientation: orientations[best],
         next: oriented.next().map(|i| found[i].defect),
+        mirrored: mirrored.map(|i| found[i].defect),
     })
 }
 
