@@ -350,10 +350,10 @@ fn transfer_refuses_what_does_not_fit() {
     ] {
         refused_before_eigenpairs(&folder, &format!("{common} {arguments}"), says);
     }
-    // Without a correspondence one is searched for, and a sphere has many.
+    // Without a correspondence one is searched for.
     let run = folder.run(&format!("{common} --functions xyz.npy"));
     assert_eq!(run.code, Some(0), "{}", run.stderr);
-    assert!(run.stderr.contains("check the result, or give --landmarks"), "{}", run.stderr);
+    assert!(run.stdout.contains("found by a search"), "{} {}", run.stdout, run.stderr);
 }
 
 #[test]
