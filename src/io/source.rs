@@ -3,12 +3,14 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
+use memchr::memchr;
+
 use super::limits::{LARGER_MAX_MEMORY, SourceOptions, check_memory, longest_line, memory_limit};
 use super::packing::{Packing, TRUNCATED};
 #[cfg(feature = "columnar")]
 use super::zstd;
 use super::{bz2, gzip, xz, zipped};
-use crate::base::{Error, Progress, Result};
+use crate::base::{Error, Progress, Result, reserved, room};
 
 /// Bytes read from the disk at a time.
 const BUFFER: usize = 1 << 20;
@@ -148,23 +150,39 @@ impl<'a> Source<'a> {
     /// Returns all bytes that are left.
     #[doc(hidden)]
     pub fn read_all(&mut self) -> Result<Vec<u8>> {
-        let mut bytes = Vec::new();
-        loop {
-            let piece = match self.reader.fill_buf() {
-                Ok(piece) => piece,
-                Err(e) if e.kind() == io::ErrorKind::Interrupted => continue,
+        let is_empty = loop {
+            match self.reader.fill_buf() {
+                Ok(piece) => break piece.is_empty(),
+                Err(e) if e.kind() == io::ErrorKind::Interrupted => {}
                 Err(e) => return Err(self.io_error(e)),
-            };
-            if piece.is_empty() {
-                return Ok(bytes);
             }
-            let count = piece.len();
-            let needed = bytes.len() + count;
-            bytes.try_reserve(count).map_err(|_| Error::OutOfMemory { bytes: needed })?;
-            bytes.extend_from_slice(piece);
-            self.reader.consume(count);
-            self.check_memory::<u8>("the file", needed)?;
+        };
+        if is_empty {
+            return Ok(Vec::new());
         }
+        // A byte more than the file has, as its end shows in a read of nothing.
+        let size = self.size.map_or(BUFFER as u64, |size| size.saturating_add(1));
+        let mut bytes = reserved(usize::try_from(size.min(self.memory)).unwrap_or(usize::MAX))?;
+        let mut len = 0;
+        loop {
+            if len == bytes.capacity() {
+                room(&mut bytes, BUFFER)?;
+            }
+            // Room for a whole buffer: then bytes are read to their place, without a copy.
+            let end = bytes.capacity().min(len + BUFFER);
+            if bytes.len() < end {
+                bytes.resize(end, 0);
+            }
+            match self.reader.read(&mut bytes[len..end]) {
+                Ok(0) => break,
+                Ok(count) => len += count,
+                Err(e) if e.kind() == io::ErrorKind::Interrupted => {}
+                Err(e) => return Err(self.io_error(e)),
+            }
+            self.check_memory::<u8>("the file", len)?;
+        }
+        bytes.truncate(len);
+        Ok(bytes)
     }
 
     /// Returns an error when `what`, which takes the memory of `len` values of T, exceeds the
@@ -192,15 +210,27 @@ impl<'a> Source<'a> {
         self.buffer.clear();
         self.line += 1;
         let longest = longest_line(self.memory);
-        let mut reader = (&mut self.reader).take(longest as u64);
-        match reader.read_until(b'\n', &mut self.buffer) {
-            Ok(0) => return Ok(None),
-            Ok(count) if count == longest => {
-                let what = format!("a line of {count} bytes or more: {LARGER_MAX_MEMORY}");
-                return Err(self.fail(what));
-            }
-            Ok(_) => {}
+        let piece = match self.reader.fill_buf() {
+            Ok(piece) => piece,
+            Err(e) if e.kind() == io::ErrorKind::Interrupted => &[],
             Err(e) => return Err(self.io_error(e)),
+        };
+        // Most lines are in what has been read.
+        let end = memchr(b'\n', &piece[..piece.len().min(longest.saturating_sub(1))]);
+        if let Some(end) = end {
+            self.buffer.extend_from_slice(&piece[..end]);
+            self.reader.consume(end + 1);
+        } else {
+            let mut reader = (&mut self.reader).take(longest as u64);
+            match reader.read_until(b'\n', &mut self.buffer) {
+                Ok(0) => return Ok(None),
+                Ok(count) if count == longest => {
+                    let what = format!("a line of {count} bytes or more: {LARGER_MAX_MEMORY}");
+                    return Err(self.fail(what));
+                }
+                Ok(_) => {}
+                Err(e) => return Err(self.io_error(e)),
+            }
         }
         if self.line == 1 && self.buffer.starts_with(BYTE_ORDER_MARK) {
             self.buffer.drain(..BYTE_ORDER_MARK.len());
