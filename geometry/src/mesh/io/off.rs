@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use super::attributes::{Attribute, MeshFile};
 use super::colors::Colors;
 use super::draft::{Checked, Draft, roomy};
-use super::text::{count, integer, number, quoted, uncommented, words};
+use super::text::{count, first_word, integer, number, quoted, uncommented, words};
 use catamaran::base::{Result, push};
 use catamaran::io::Source;
 
@@ -46,7 +46,7 @@ impl<'s, 'a> Tokens<'s, 'a> {
 
     /// Moves to the next line that has words; returns false at the end of the file.
     fn next_line(&mut self) -> Result<bool> {
-        while self.left() == 0 {
+        while first_word(self.rest()).is_none() {
             let Some(line) = self.source.next_bytes()? else { return Ok(false) };
             self.line.clear();
             self.line.extend_from_slice(uncommented(line));
@@ -60,10 +60,8 @@ impl<'s, 'a> Tokens<'s, 'a> {
         if !self.next_line()? {
             return Err(format!("truncated: the file ends before {what}").into());
         }
-        let rest = self.rest();
-        let start = rest.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
-        let length = rest.iter().skip(start).take_while(|byte| !byte.is_ascii_whitespace()).count();
-        let start = self.taken + start;
+        let (blanks, length) = first_word(self.rest()).unwrap_or_default();
+        let start = self.taken + blanks;
         self.taken = start + length;
         Ok(self.line.get(start..self.taken).unwrap_or_default())
     }
