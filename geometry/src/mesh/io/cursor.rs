@@ -3,8 +3,8 @@
 use std::fmt::Display;
 
 use super::draft::{Checked, Fault, roomy};
-use super::stored::Kind;
-use super::text::{count, number};
+use super::stored::{Indices, Kind};
+use super::text::{count, first_word, number};
 use catamaran::base::{Error, push};
 use catamaran::io::Source;
 
@@ -60,13 +60,7 @@ impl<'a> Cursor<'a> {
 
     /// Takes the next word; an error at the end of the file names `what`.
     pub fn word(&mut self, what: impl Display) -> Checked<&'a [u8]> {
-        let rest = self.rest();
-        let blanks = rest.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
-        let rest = &rest[blanks..];
-        let length = rest.iter().take_while(|byte| !byte.is_ascii_whitespace()).count();
-        if length == 0 {
-            return Err(truncated(what));
-        }
+        let Some((blanks, length)) = first_word(self.rest()) else { return Err(truncated(what)) };
         self.skip(blanks);
         Ok(self.skip(length))
     }
@@ -110,6 +104,17 @@ impl<'a> Cursor<'a> {
             push(&mut values, self.number(format_args!("{what} ({i} of {count} numbers)"))?)?;
         }
         Ok(values)
+    }
+
+    /// Takes `count` indices stored in this type and order.
+    pub fn indices(
+        &mut self,
+        count: usize,
+        (kind, is_big): (Kind, bool),
+        what: &str,
+    ) -> Checked<Indices<'a>> {
+        let bytes = self.bytes(count.saturating_mul(kind.size()), what)?;
+        Indices::of_bytes(bytes, kind, is_big)
     }
 
     /// Returns the number of the line of the part that was taken last, from 1.

@@ -3,8 +3,8 @@
 
 use super::attributes::{Attribute, MeshFile, Scalars};
 use super::draft::{Checked, Draft, Fault};
-use super::stored::{Kind, vertex, whole};
-use catamaran::base::{Error, Result, push};
+use super::stored::{Indices, Kind};
+use catamaran::base::{Error, Result, room};
 
 /// The types of cells that are read, with the codes of VTK.
 pub(super) mod cell {
@@ -90,6 +90,23 @@ pub(super) fn not_a_surface(what: &str) -> Fault {
     format!("{what} is not a surface: {HELP}").into()
 }
 
+/// The vertices of cells, list after list.
+pub(super) struct Lists<'a> {
+    pub corners: Indices<'a>,
+    pub ends: Ends<'a>,
+}
+
+/// Where the lists of the vertices of cells end.
+pub(super) enum Ends<'a> {
+    /// The length of each list comes before its vertices; the number of lists, which fill the
+    /// numbers.
+    Counted(usize),
+    /// Before the vertices with these numbers, one for each list.
+    At(Indices<'a>),
+    /// The length of each list, and the number of lists.
+    Each(usize, usize),
+}
+
 /// A dataset that is being read.
 #[derive(Default)]
 pub(super) struct Dataset {
@@ -108,6 +125,7 @@ impl Dataset {
                 format!("{} coordinates of points, not three for each", values.len()).into()
             );
         }
+        room(&mut self.draft.vertices, positions.len())?;
         for &position in positions {
             let v = self.draft.vertices.len();
             let pushed = self.draft.push_vertex(position);
@@ -116,28 +134,44 @@ impl Dataset {
         Ok(())
     }
 
-    /// Adds cells: cell i has vertices `corners[ends[i - 1]..ends[i]]`, numbered from vertex
-    /// `base`, and type `kind(i)`.
+    /// Adds the cells that have these vertices, numbered from vertex `base`; cell i is of type
+    /// `kind(i)`.
     pub fn cells(
         &mut self,
-        corners: &[f64],
-        ends: &[f64],
+        lists: &Lists<'_>,
         base: usize,
         kind: impl Fn(usize) -> Checked<usize>,
     ) -> Checked<()> {
+        let Lists { corners, ends } = lists;
+        let base = u32::try_from(base).map_err(|_| "2^32 points")?;
+        let count = match ends {
+            Ends::Counted(count) | Ends::Each(_, count) => *count,
+            Ends::At(ends) => ends.len(),
+        };
+        room(&mut self.draft.faces, count.min(corners.len()))?;
         let mut start = 0;
         let mut numbers = Vec::new();
-        for (i, &end) in ends.iter().enumerate() {
-            let end = whole(end)?;
-            let own = corners.get(start..end).ok_or_else(|| {
-                format!("cell {i} has vertices {start} to {end} of {}", corners.len())
-            })?;
-            start = end;
-            numbers.clear();
-            for &number in own {
-                let number = vertex(number, base);
-                push(&mut numbers, number.map_err(|fault| fault.of(|| format!("cell {i}")))?)?;
+        for i in 0..count {
+            let end = match ends {
+                Ends::Counted(_) => {
+                    let length = corners.whole(start)?;
+                    start += 1;
+                    start + length
+                }
+                Ends::Each(width, _) => start + width,
+                Ends::At(ends) => ends.whole(i)?,
+            };
+            if start > end || end > corners.len() {
+                let count = corners.len();
+                return Err(format!("cell {i} has vertices {start} to {end} of {count}").into());
             }
+            numbers.clear();
+            room(&mut numbers, end - start)?;
+            for k in start..end {
+                let number = corners.vertex(k, base);
+                numbers.push(number.map_err(|fault| fault.of(|| format!("cell {i}")))?);
+            }
+            start = end;
             self.cell(kind(i)?, &mut numbers, i)?;
         }
         match corners.len() - start {

@@ -9,10 +9,10 @@ use std::collections::HashMap;
 
 use super::attributes::{MeshFile, Scalars};
 use super::cursor::Cursor;
-use super::dataset::{Dataset, cell};
+use super::dataset::{Dataset, Ends, Lists, cell};
 use super::draft::{Checked, roomy};
 use super::format::MeshFormat;
-use super::stored::{Kind, whole};
+use super::stored::{Indices, Kind, whole};
 use catamaran::base::{Result, push};
 use catamaran::io::Source;
 
@@ -77,9 +77,9 @@ fn surface(cursor: &mut Cursor<'_>) -> Checked<Dataset> {
         let coordinates = 3usize.saturating_mul(vertices);
         dataset.points(&cursor.numbers(coordinates, Some((Kind::F32, true)), "the vertices")?)?;
         let corners = 3usize.saturating_mul(faces);
-        let corners = cursor.numbers(corners, Some((Kind::I32, true)), "the faces")?;
-        let ends: Vec<f64> = (1..=faces).map(|i| (3 * i) as f64).collect();
-        dataset.cells(&corners, &ends, 0, |_| Ok(cell::TRIANGLE))?;
+        let corners = cursor.indices(corners, (Kind::I32, true), "the faces")?;
+        let lists = Lists { corners, ends: Ends::Each(3, faces) };
+        dataset.cells(&lists, 0, |_| Ok(cell::TRIANGLE))?;
         return Ok(dataset);
     }
     if magic != QUADS && magic != OLD_QUADS {
@@ -102,7 +102,7 @@ fn surface(cursor: &mut Cursor<'_>) -> Checked<Dataset> {
     };
     dataset.points(&points)?;
     let corners = cursor.bytes(12 * faces, "the faces")?;
-    let (mut triangles, mut ends) = (Vec::new(), Vec::new());
+    let mut triangles = Vec::new();
     for quad in corners.chunks_exact(12) {
         let [a, b, c, d] = [0, 3, 6, 9].map(|at| short(&quad[at..]));
         // FreeSurfer takes either diagonal, by this number; nibabel and MNE by the parity of `a`.
@@ -111,12 +111,10 @@ fn surface(cursor: &mut Cursor<'_>) -> Checked<Dataset> {
         for corner in cut {
             push(&mut triangles, corner)?;
         }
-        for _ in 0..2 {
-            let count = ends.len() + 1;
-            push(&mut ends, (3 * count) as f64)?;
-        }
     }
-    dataset.cells(&triangles, &ends, 0, |_| Ok(cell::TRIANGLE))?;
+    let corners = Indices::of_numbers(triangles)?;
+    let lists = Lists { corners, ends: Ends::Each(3, 2 * faces) };
+    dataset.cells(&lists, 0, |_| Ok(cell::TRIANGLE))?;
     Ok(dataset)
 }
 
@@ -140,11 +138,11 @@ fn text_surface(cursor: &mut Cursor<'_>) -> Checked<Dataset> {
         Ok(values)
     };
     dataset.points(&rows(vertices, "vertex")?)?;
-    let corners = rows(faces, "face")?;
+    let corners = Indices::of_numbers(rows(faces, "face")?)?;
     let what = "took vertices and faces that the file marks as cut away";
     dataset.draft.notes.add_many(what, marked, String::new);
-    let ends: Vec<f64> = (1..=faces).map(|i| (3 * i) as f64).collect();
-    dataset.cells(&corners, &ends, 0, |_| Ok(cell::TRIANGLE))?;
+    let lists = Lists { corners, ends: Ends::Each(3, faces) };
+    dataset.cells(&lists, 0, |_| Ok(cell::TRIANGLE))?;
     Ok(dataset)
 }
 

@@ -11,10 +11,10 @@ use flate2::write::ZlibEncoder;
 
 use super::attributes::{Attribute, MeshFile, Scalars};
 use super::beside::beside;
-use super::dataset::{Array, Dataset, Role, cell};
+use super::dataset::{Array, Dataset, Ends, Lists, Role, cell};
 use super::draft::Checked;
 use super::rounding::Rounding;
-use super::stored::{Budget, Kind, from_base64, text_numbers};
+use super::stored::{Budget, Indices, Kind, from_base64, text_numbers};
 use super::text::{count, words};
 use super::xml::{Event, Tag, Xml, escaped, unescaped};
 use catamaran::base::{Result, push};
@@ -132,8 +132,9 @@ impl Reader {
             }
             ("NIFTI_INTENT_TRIANGLE", 3) if !self.has_triangles => {
                 self.has_triangles = true;
-                let ends: Vec<f64> = (1..=rows).map(|i| (3 * i) as f64).collect();
-                self.dataset.cells(&values, &ends, 0, |_| Ok(cell::TRIANGLE))
+                let corners = Indices::of_numbers(values)?;
+                let lists = Lists { corners, ends: Ends::Each(3, rows) };
+                self.dataset.cells(&lists, 0, |_| Ok(cell::TRIANGLE))
             }
             ("NIFTI_INTENT_POINTSET" | "NIFTI_INTENT_TRIANGLE", _) => {
                 let what = "left out points and triangles of further surfaces, or not of three \

@@ -42,7 +42,7 @@ impl Kind {
 
     /// Returns the number in these bytes, of which there are [`Kind::size`]; integers beyond 2^53
     /// are rounded.
-    #[inline]
+    #[inline(always)]
     pub fn number(self, bytes: &[u8], is_big: bool) -> f64 {
         // Copies of a known length are instructions, not calls.
         let bits = match (self.size(), is_big) {
@@ -71,9 +71,103 @@ impl Kind {
 
     /// Returns the numbers in these bytes; bytes after the last whole number are left out.
     pub fn numbers(self, bytes: &[u8], is_big: bool) -> Checked<Vec<f64>> {
+        self.converted(bytes, is_big, |x| x)
+    }
+
+    /// Returns the numbers in these bytes, converted by `of`.
+    fn converted<T>(self, bytes: &[u8], is_big: bool, of: impl Fn(f64) -> T) -> Checked<Vec<T>> {
         let mut values = reserved(bytes.len() / self.size())?;
-        values.extend(bytes.chunks_exact(self.size()).map(|own| self.number(own, is_big)));
+        // A loop is compiled for each type and order.
+        macro_rules! convert {
+            ($($kind:ident $size:literal)*) => { match self { $(Self::$kind => {
+                let parts = bytes.chunks_exact($size);
+                match is_big {
+                    true => values.extend(parts.map(|own| of(Self::$kind.number(own, true)))),
+                    false => values.extend(parts.map(|own| of(Self::$kind.number(own, false)))),
+                }
+            })* } };
+        }
+        convert!(I8 1 U8 1 I16 2 U16 2 I32 4 U32 4 I64 8 U64 8 F16 2 F32 4 F64 8);
         Ok(values)
+    }
+}
+
+/// Numbers of a file that are indices, lengths or codes: in 32 bits, and as the file has them.
+pub(super) struct Indices<'a> {
+    /// [`NO_INDEX`] in place of what is none of 32 bits.
+    values: Vec<u32>,
+    written: Written<'a>,
+}
+
+/// Numbers as a file has them.
+enum Written<'a> {
+    Numbers(Vec<f64>),
+    /// Bytes of this type, and whether they are big endian.
+    Bytes(&'a [u8], Kind, bool),
+}
+
+/// In place of a number that is negative, not whole, or too large for an index of 32 bits.
+pub(super) const NO_INDEX: u32 = u32::MAX;
+
+/// Returns a number as an index, or [`NO_INDEX`].
+#[inline(always)]
+pub(super) fn index(number: f64) -> u32 {
+    let index = number as u32;
+    if f64::from(index) == number { index } else { NO_INDEX }
+}
+
+impl<'a> Indices<'a> {
+    /// Takes numbers as indices.
+    pub fn of_numbers(numbers: Vec<f64>) -> Checked<Self> {
+        let mut values = reserved(numbers.len())?;
+        values.extend(numbers.iter().map(|&number| index(number)));
+        Ok(Self { values, written: Written::Numbers(numbers) })
+    }
+
+    /// Takes the numbers in these bytes as indices.
+    pub fn of_bytes(bytes: &'a [u8], kind: Kind, is_big: bool) -> Checked<Self> {
+        let values = kind.converted(bytes, is_big, index)?;
+        Ok(Self { values, written: Written::Bytes(bytes, kind, is_big) })
+    }
+
+    pub fn len(&self) -> usize {
+        self.values.len()
+    }
+
+    /// Returns number `i` as the file has it.
+    pub fn number(&self, i: usize) -> f64 {
+        match &self.written {
+            Written::Numbers(numbers) => numbers[i],
+            Written::Bytes(bytes, kind, is_big) => kind.number(&bytes[kind.size() * i..], *is_big),
+        }
+    }
+
+    /// Returns number `i` as an index or a count.
+    #[inline]
+    pub fn whole(&self, i: usize) -> Checked<usize> {
+        match self.values[i] {
+            NO_INDEX => whole(self.number(i)),
+            value => Ok(value as usize),
+        }
+    }
+
+    /// Returns number `i` as that of a vertex, where `base` vertices come before the one with
+    /// number 0.
+    #[inline]
+    pub fn vertex(&self, i: usize, base: u32) -> Checked<u32> {
+        match self.values[i].checked_add(base) {
+            Some(vertex) if self.values[i] != NO_INDEX => Ok(vertex),
+            _ => vertex(self.number(i), base as usize),
+        }
+    }
+
+    /// Drops the first number, if there is one.
+    pub fn drop_first(&mut self) {
+        self.values.drain(..self.values.len().min(1));
+        match &mut self.written {
+            Written::Numbers(numbers) => drop(numbers.drain(..numbers.len().min(1))),
+            Written::Bytes(bytes, kind, _) => *bytes = bytes.get(kind.size()..).unwrap_or(&[]),
+        }
     }
 }
 
@@ -107,9 +201,10 @@ pub(super) fn text_numbers(text: &[u8]) -> Checked<Vec<f64>> {
 pub(super) fn whole(number: f64) -> Checked<usize> {
     /// From here on, doubles skip integers.
     const END: f64 = 9_007_199_254_740_992.0;
-    let is_whole = (0.0..END).contains(&number) && number.fract() == 0.0;
+    let index = number as u64;
+    let is_whole = number < END && index as f64 == number;
     // Machines of 32 bits have fewer indices.
-    let found = if is_whole { usize::try_from(number as u64).ok() } else { None };
+    let found = if is_whole { usize::try_from(index).ok() } else { None };
     found.ok_or_else(|| format!("{number} is not an index or a count").into())
 }
 

@@ -2,9 +2,9 @@
 
 use super::super::attributes::MeshFile;
 use super::super::cursor::Cursor;
-use super::super::dataset::{Array, Dataset, Role, cell, not_a_surface};
+use super::super::dataset::{Array, Dataset, Ends, Lists, Role, cell, not_a_surface};
 use super::super::draft::Checked;
-use super::super::stored::{Kind, whole};
+use super::super::stored::{Indices, Kind};
 use super::super::text::{count, quoted, without_mark, words};
 use catamaran::base::{Result, push};
 use catamaran::io::Source;
@@ -35,7 +35,7 @@ fn operand_count(line: &[u8], i: usize) -> Checked<usize> {
     count(operand(line, i)?)
 }
 
-impl Reader<'_> {
+impl<'a> Reader<'a> {
     fn read(&mut self) -> Checked<()> {
         let head = self.cursor.line().unwrap_or_default();
         if !head.to_ascii_lowercase().starts_with(b"# vtk datafile") {
@@ -75,15 +75,15 @@ impl Reader<'_> {
                 }
                 b"CELLS" if cells.is_none() => cells = Some(self.lists(line)?),
                 b"CELL_TYPES" => {
-                    let kinds = self.values(operand_count(line, 1)?, b"int", "types of cells")?;
-                    let Some((corners, ends)) = cells.take() else {
+                    let kinds = self.indices(operand_count(line, 1)?, b"int", "types of cells")?;
+                    let Some(lists) = cells.take() else {
                         return Err("CELL_TYPES without CELLS before".into());
                     };
-                    let kind = |i: usize| match kinds.get(i) {
-                        Some(&kind) => whole(kind),
-                        None => Err(format!("cell {i} has no type").into()),
+                    let kind = |i: usize| match i < kinds.len() {
+                        true => kinds.whole(i),
+                        false => Err(format!("cell {i} has no type").into()),
                     };
-                    self.dataset.cells(&corners, &ends, 0, kind)?;
+                    self.dataset.cells(&lists, 0, kind)?;
                 }
                 b"POLYGONS" | b"TRIANGLE_STRIPS" | b"LINES" | b"VERTICES" => {
                     let kind = match keyword.as_slice() {
@@ -91,8 +91,8 @@ impl Reader<'_> {
                         b"TRIANGLE_STRIPS" => cell::STRIP,
                         _ => cell::OTHER,
                     };
-                    let (corners, ends) = self.lists(line)?;
-                    self.dataset.cells(&corners, &ends, 0, |_| Ok(kind))?;
+                    let lists = self.lists(line)?;
+                    self.dataset.cells(&lists, 0, |_| Ok(kind))?;
                 }
                 b"POINT_DATA" => {
                     if !self.attributes(operand_count(line, 1)?, true)? {
@@ -181,40 +181,44 @@ impl Reader<'_> {
         Ok(values)
     }
 
-    /// Reads lists of vertices that `line` announces: the vertices of all, and where the list of
-    /// each cell ends.
-    fn lists(&mut self, line: &[u8]) -> Checked<(Vec<f64>, Vec<f64>)> {
+    /// Reads as [`Reader::values`] does, numbers that are indices.
+    fn indices(&mut self, count: usize, kind: &[u8], what: &str) -> Checked<Indices<'a>> {
+        match Self::kind(kind) {
+            Some((kind, false)) if self.is_binary => self.cursor.indices(count, (kind, true), what),
+            _ => Indices::of_numbers(self.values(count, kind, what)?),
+        }
+    }
+
+    /// Reads lists of vertices that `line` announces.
+    fn lists(&mut self, line: &[u8]) -> Checked<Lists<'a>> {
         let [lists, size] = [operand_count(line, 1)?, operand_count(line, 2)?];
         let before = self.cursor.rest();
         // From version 5 on, two arrays instead of one.
         let next = words(&before[..before.len().min(64)]).next().unwrap_or_default();
         if next.eq_ignore_ascii_case(b"OFFSETS") {
             let line = self.cursor.full_line().unwrap_or_default();
-            let mut ends = self.values(lists, operand(line, 1)?, "offsets of cells")?;
-            if !ends.is_empty() && ends.remove(0) != 0.0 {
+            let mut ends = self.indices(lists, operand(line, 1)?, "offsets of cells")?;
+            if ends.len() > 0 && ends.number(0) != 0.0 {
                 return Err("the first of the offsets of cells is not 0".into());
             }
+            ends.drop_first();
             let line = self.cursor.full_line().unwrap_or_default();
             if !operand(line, 0)?.eq_ignore_ascii_case(b"CONNECTIVITY") {
                 return Err(format!("{} where CONNECTIVITY is due", quoted(line)).into());
             }
-            return Ok((self.values(size, operand(line, 1)?, "vertices of cells")?, ends));
+            let corners = self.indices(size, operand(line, 1)?, "vertices of cells")?;
+            return Ok(Lists { corners, ends: Ends::At(ends) });
         }
-        let numbers = self.values(size, b"int", "vertices of cells")?;
-        let (mut corners, mut ends) = (Vec::new(), Vec::new());
-        let mut rest = &numbers[..];
+        let corners = self.indices(size, b"int", "vertices of cells")?;
+        let mut at = 0;
         for i in 0..lists {
+            let length = if at < corners.len() { Some(corners.whole(at)?) } else { None };
+            let end = length.and_then(|length| (at + 1).checked_add(length));
             let beyond = || format!("cell {i} of {lists} is beyond the {size} numbers of all");
-            let (&length, after) = rest.split_first().ok_or_else(beyond)?;
-            let (own, after) = after.split_at_checked(whole(length)?).ok_or_else(beyond)?;
-            for &corner in own {
-                push(&mut corners, corner)?;
-            }
-            push(&mut ends, corners.len() as f64)?;
-            rest = after;
+            at = end.filter(|&end| end <= corners.len()).ok_or_else(beyond)?;
         }
-        match rest.len() {
-            0 => Ok((corners, ends)),
+        match corners.len() - at {
+            0 => Ok(Lists { corners, ends: Ends::Counted(lists) }),
             left => Err(format!("{left} numbers come after those of the {lists} cells").into()),
         }
     }

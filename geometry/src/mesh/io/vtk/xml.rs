@@ -4,9 +4,9 @@ use std::borrow::Cow;
 
 use super::super::attributes::MeshFile;
 use super::super::cursor::Cursor;
-use super::super::dataset::{Array, Dataset, Role, cell, not_a_surface};
+use super::super::dataset::{Array, Dataset, Ends, Lists, Role, cell, not_a_surface};
 use super::super::draft::{Checked, roomy};
-use super::super::stored::{Budget, Kind, from_base64, text_numbers, whole};
+use super::super::stored::{Budget, Indices, Kind, from_base64, text_numbers, whole};
 use super::super::text::count;
 use super::super::xml::{Event, Tag, Xml};
 use catamaran::base::{Result, push};
@@ -183,8 +183,11 @@ impl<'a> Document<'a> {
             ];
             for (section, kind) in sections {
                 let lists = (values(section, "connectivity")?, values(section, "offsets")?);
-                let (corners, ends) = match lists {
-                    (Some(corners), Some(ends)) => (corners, ends),
+                let lists = match lists {
+                    (Some(corners), Some(ends)) => Lists {
+                        corners: Indices::of_numbers(corners)?,
+                        ends: Ends::At(Indices::of_numbers(ends)?),
+                    },
                     (None, None) => continue,
                     _ => {
                         let section = String::from_utf8_lossy(section).into_owned();
@@ -192,7 +195,7 @@ impl<'a> Document<'a> {
                     }
                 };
                 let kinds = values(section, "types")?;
-                dataset.cells(&corners, &ends, base, |i| match &kinds {
+                dataset.cells(&lists, base, |i| match &kinds {
                     None => Ok(kind),
                     Some(kinds) => match kinds.get(i) {
                         Some(&kind) => whole(kind),
