@@ -44,8 +44,9 @@ impl Header {
         Ok(Self { encoding, elements })
     }
 
-    /// Reads the file to its end, and notes what follows the last element.
-    pub fn skip_rest(&self, source: &mut Source<'_>, notes: &mut Notes) -> Result<()> {
+    /// Reads the file to its end, and notes what follows the last element: `left` bytes that were
+    /// read, and the rest.
+    pub fn skip_rest(&self, source: &mut Source<'_>, left: usize, notes: &mut Notes) -> Result<()> {
         if self.encoding == PlyEncoding::Ascii {
             loop {
                 let number = source.line() + 1;
@@ -56,7 +57,7 @@ impl Header {
                 }
             }
         }
-        let mut count = 0;
+        let mut count = left;
         loop {
             let length = source.fill_buf().map(<[u8]>::len).map_err(|e| source.io_error(e))?;
             if length == 0 {

@@ -8,11 +8,12 @@ mod write;
 
 use self::element::{Element, Name};
 use self::header::Header;
-use self::rows::Rows;
+use self::rows::{Block, Rows};
 use super::super::has_corner_twice;
 use super::attributes::{Attribute, MeshFile};
 use super::draft::{Checked, Draft, roomy};
 use super::polygon::fan;
+use super::stored::{NO_INDEX, index};
 use catamaran::base::{Result, push};
 use catamaran::io::Source;
 
@@ -22,8 +23,9 @@ pub(super) use self::write::write;
 pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
     let mut reader = Reader::default();
     let header = Header::read(source, &mut reader.draft.notes)?;
+    let mut block = Block::default();
     for element in &header.elements {
-        let mut rows = Rows::new(source, header.encoding, element);
+        let mut rows = Rows::new(source, &mut block, header.encoding, element);
         let read = match element.name.as_str() {
             "vertex" => reader.vertices(element, &mut rows),
             "face" => reader.faces(element, &mut rows),
@@ -42,7 +44,7 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
         let what = "left out numbers after those that the header declares, in lines";
         reader.draft.notes.add_many(what, longer, || format!("line {first}"));
     }
-    header.skip_rest(source, &mut reader.draft.notes)?;
+    header.skip_rest(source, block.left(), &mut reader.draft.notes)?;
     reader.finish().map_err(|fault| fault.at(source))
 }
 
@@ -230,11 +232,9 @@ impl Reader {
 }
 
 fn vertex_number(number: f64) -> Checked<u32> {
-    // A double represents every integer type of PLY exactly.
-    if number >= 0.0 && number < f64::from(u32::MAX) && number.fract() == 0.0 {
-        Ok(number as u32)
-    } else {
-        Err(format!("vertex {number}").into())
+    match index(number) {
+        NO_INDEX => Err(format!("vertex {number}").into()),
+        vertex => Ok(vertex),
     }
 }
 

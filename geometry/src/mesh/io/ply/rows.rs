@@ -1,4 +1,4 @@
-use std::io::Read;
+use std::io::BufRead;
 
 use super::super::draft::{Checked, Fault};
 use super::super::text;
@@ -15,6 +15,57 @@ pub(super) struct Row {
     pub lists: Vec<Vec<f64>>,
 }
 
+/// Bytes of a binary file that were read, of which those up to `at` are taken.
+#[derive(Default)]
+pub(super) struct Block {
+    bytes: Vec<u8>,
+    at: usize,
+}
+
+impl Block {
+    /// Returns the bytes that are not taken.
+    pub fn left(&self) -> usize {
+        self.bytes.len() - self.at
+    }
+
+    /// Takes the next `size` bytes of the file.
+    #[inline]
+    fn take(&mut self, source: &mut Source<'_>, size: usize) -> Checked<&[u8]> {
+        if self.left() < size {
+            self.fill(source, size)?;
+        }
+        let start = self.at;
+        self.at += size;
+        Ok(&self.bytes[start..self.at])
+    }
+
+    /// Reads on until there are `size` bytes.
+    fn fill(&mut self, source: &mut Source<'_>, size: usize) -> Checked<()> {
+        self.bytes.drain(..self.at);
+        self.at = 0;
+        while self.bytes.len() < size {
+            let piece = match source.fill_buf() {
+                Ok([]) => return Err("truncated: the file ends too early".into()),
+                Ok(piece) => piece,
+                Err(e) => match e.kind() {
+                    std::io::ErrorKind::Interrupted => continue,
+                    std::io::ErrorKind::UnexpectedEof => {
+                        return Err("truncated: the file ends too early".into());
+                    }
+                    _ => return Err(Fault::Error(source.io_error(e))),
+                },
+            };
+            let count = piece.len().min(BLOCK);
+            self.bytes.extend_from_slice(&piece[..count]);
+            source.consume(count);
+        }
+        Ok(())
+    }
+}
+
+/// Most bytes of a block that are read at a time.
+const BLOCK: usize = 1 << 16;
+
 /// Reads the rows of an element one by one.
 pub(super) struct Rows<'s, 'a> {
     source: &'s mut Source<'a>,
@@ -24,14 +75,19 @@ pub(super) struct Rows<'s, 'a> {
     fixed: Option<usize>,
     done: usize,
     row: Row,
-    bytes: Vec<u8>,
+    block: &'s mut Block,
     /// The number of lines of text with more numbers than the header declares, and the first.
     pub longer: (usize, usize),
 }
 
 impl<'s, 'a> Rows<'s, 'a> {
     /// Creates a reader of the rows of an element.
-    pub fn new(source: &'s mut Source<'a>, encoding: PlyEncoding, element: &'s Element) -> Self {
+    pub fn new(
+        source: &'s mut Source<'a>,
+        block: &'s mut Block,
+        encoding: PlyEncoding,
+        element: &'s Element,
+    ) -> Self {
         let (mut scalars, mut lists, mut bytes) = (0, 0, 0);
         for property in &element.properties {
             match property.counted_by {
@@ -44,8 +100,7 @@ impl<'s, 'a> Rows<'s, 'a> {
         }
         let row = Row { index: 0, scalars: vec![0.0; scalars], lists: vec![Vec::new(); lists] };
         let fixed = (lists == 0).then_some(bytes);
-        let (bytes, longer) = (Vec::new(), (0, 0));
-        Self { source, encoding, element, fixed, done: 0, row, bytes, longer }
+        Self { source, encoding, element, fixed, done: 0, row, block, longer: (0, 0) }
     }
 
     /// Reads the next row; `None` after the last one.
@@ -149,12 +204,11 @@ impl<'s, 'a> Rows<'s, 'a> {
     }
 
     fn binary_row(&mut self) -> Checked<()> {
-        let Self { source, element, row, bytes, .. } = self;
+        let Self { source, element, row, block, .. } = self;
         let is_big = self.encoding == PlyEncoding::BigEndian;
         let decode = |kind: Type, own: &[u8]| kind.number(own, is_big);
         if let Some(size) = self.fixed {
-            fill(source, bytes, size)?;
-            let mut rest = &bytes[..];
+            let mut rest = block.take(source, size)?;
             for (scalar, property) in row.scalars.iter_mut().zip(&element.properties) {
                 let (own, after) = rest.split_at(property.item.size());
                 *scalar = decode(property.item, own);
@@ -165,14 +219,13 @@ impl<'s, 'a> Rows<'s, 'a> {
         let (mut scalars, mut lists) = (row.scalars.iter_mut(), row.lists.iter_mut());
         for &Property { item, counted_by, .. } in &element.properties {
             let Some(counted_by) = counted_by else {
-                fill(source, bytes, item.size())?;
+                let own = block.take(source, item.size())?;
                 if let Some(scalar) = scalars.next() {
-                    *scalar = decode(item, bytes);
+                    *scalar = decode(item, own);
                 }
                 continue;
             };
-            fill(source, bytes, counted_by.size())?;
-            let count = decode(counted_by, bytes);
+            let count = decode(counted_by, block.take(source, counted_by.size())?);
             let count = list_length(count)?;
             let Some(list) = lists.next() else { continue };
             list.clear();
@@ -180,7 +233,7 @@ impl<'s, 'a> Rows<'s, 'a> {
             let mut left = count;
             while left > 0 {
                 let piece = left.min(1 << 12);
-                fill(source, bytes, piece * item.size())?;
+                let bytes = block.take(source, piece * item.size())?;
                 for own in bytes.chunks_exact(item.size()) {
                     push(list, decode(item, own))?;
                 }
@@ -218,19 +271,11 @@ fn filled<'w>(
 
 /// Returns the length of a list, which may be stored in any type.
 fn list_length(count: f64) -> Checked<usize> {
-    // A file has no longer list.
-    if count >= 0.0 && count <= f64::from(u32::MAX) && count.fract() == 0.0 {
-        Ok(count as usize)
+    // A file has no longer list than 32 bits count.
+    let length = count as u32;
+    if f64::from(length) == count {
+        Ok(length as usize)
     } else {
         Err(format!("{count} is not the length of a list").into())
     }
-}
-
-/// Reads the next `size` bytes of the file.
-fn fill(source: &mut Source<'_>, bytes: &mut Vec<u8>, size: usize) -> Checked<()> {
-    bytes.resize(size, 0);
-    source.read_exact(bytes).map_err(|e| match e.kind() {
-        std::io::ErrorKind::UnexpectedEof => Fault::from("truncated: the file ends too early"),
-        _ => Fault::Error(source.io_error(e)),
-    })
 }
