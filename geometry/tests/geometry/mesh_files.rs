@@ -611,6 +611,36 @@ fn broken_binary_files_name_their_element() {
     assert_eq!(refusal(lists, PLY[1]).1, "a 0: truncated: the file ends too early");
 }
 
+#[test]
+fn binary_files_longer_than_a_block_are_read_whole() {
+    let folder = Folder::new();
+    let sphere = MeshFile::from(families::icosphere(5).unwrap());
+    let faces = sphere.mesh.faces().len();
+    for (format, last) in [
+        (STL, format!("truncated: facet {} of {faces} is incomplete", faces - 1)),
+        (PLY[1], format!("face {}: truncated: the file ends too early", faces - 1)),
+        (PLY[2], format!("face {}: truncated: the file ends too early", faces - 1)),
+    ] {
+        let mut bytes = folder.bytes(&sphere, format);
+        let found = read_bytes(&bytes, format).unwrap();
+        assert!(found.notes.is_empty(), "{:?}", found.notes);
+        let corners = |mesh: &TriMesh| -> Vec<[[f32; 3]; 3]> {
+            let place = |v: u32| mesh.vertices()[v as usize].map(|x| x as f32);
+            mesh.faces().iter().map(|face| face.map(place)).collect()
+        };
+        assert!(corners(&found.mesh) == corners(&sphere.mesh));
+        assert_eq!(found.mesh.vertices().len(), sphere.mesh.vertices().len());
+        assert_eq!(refusal(&bytes[..bytes.len() - 1], format).1, last);
+        bytes.extend([0, 0, 0]);
+        let said = read_bytes(&bytes, format).unwrap().notes;
+        let [said] = &said[..] else { panic!("{said:?}") };
+        assert!(
+            said.starts_with("left out bytes after the last ") && said.ends_with(": 3"),
+            "{said}"
+        );
+    }
+}
+
 /// The note that begins so.
 pub fn note<'a>(file: &'a MeshFile, start: &str) -> &'a str {
     let found = file.notes.iter().find(|note| note.starts_with(start));

@@ -1,11 +1,10 @@
-use std::collections::HashMap;
-use std::hash::Hash;
+use std::hash::{BuildHasher, RandomState};
 
 use super::super::{Part, TriMesh, has_corner_twice};
 use super::attributes::MeshFile;
 use super::notes::{COLLAPSED, Notes};
 use super::polygon::{corners_of, fan, not_a_fan};
-use catamaran::base::{Error, Result, push};
+use catamaran::base::{Error, Result, push, repeated};
 use catamaran::io::Source;
 
 /// An error of a reader in a line or an element. [`Fault::at`] and [`Fault::of`] add the position.
@@ -58,24 +57,80 @@ pub(super) fn roomy<T>(count: usize) -> Vec<T> {
     Vec::with_capacity(count.min(1 << 16))
 }
 
-/// Numbers keys in the order of first use.
-pub(super) struct Numbers<K>(HashMap<K, u32>);
+/// Numbers items in the order of first use. The caller has the items: this is a table of their
+/// numbers, in which an item is found by a hash of its words.
+pub(super) struct Numbers {
+    /// Each has a number, plus one, and above it the upper bits of the hash, by which the slots are
+    /// in order; 0 where it is empty. The number of slots is a power of 2, or 0.
+    slots: Vec<u64>,
+    len: usize,
+    /// Unknown to files, which could otherwise have many items of one hash.
+    seed: u64,
+}
 
-impl<K> Default for Numbers<K> {
+impl Default for Numbers {
     fn default() -> Self {
-        Self(HashMap::new())
+        Self { slots: Vec::new(), len: 0, seed: RandomState::new().hash_one(0) }
     }
 }
 
-impl<K: Eq + Hash> Numbers<K> {
-    /// Returns the number of a key, and whether it is new.
-    pub fn of(&mut self, key: K) -> Checked<(u32, bool)> {
-        let next = u32::try_from(self.0.len()).map_err(|_| "2^32 vertices or names")?;
-        self.0
-            .try_reserve(1)
-            .map_err(|_| Error::OutOfMemory { bytes: 2 * self.0.len() * size_of::<(K, u32)>() })?;
-        let number = *self.0.entry(key).or_insert(next);
-        Ok((number, number == next))
+impl Numbers {
+    /// Returns the number of an item, and whether it is new. The words of equal items are equal;
+    /// `is_same` returns whether the item with this number is this one.
+    #[inline]
+    pub fn of(
+        &mut self,
+        words: impl IntoIterator<Item = u64>,
+        is_same: impl Fn(usize) -> bool,
+    ) -> Checked<(u32, bool)> {
+        if 2 * self.len >= self.slots.len() {
+            self.grow()?;
+        }
+        let tag = self.hash(words) >> 32;
+        let mut at = self.start(tag);
+        // Half of the slots are empty.
+        loop {
+            let slot = self.slots[at];
+            if slot == 0 {
+                let number = u32::try_from(self.len).ok().filter(|&number| number < u32::MAX);
+                let number = number.ok_or("2^32 vertices or names")?;
+                self.slots[at] = tag << 32 | u64::from(number + 1);
+                self.len += 1;
+                return Ok((number, true));
+            }
+            let number = (slot as u32).wrapping_sub(1);
+            if slot >> 32 == tag && is_same(number as usize) {
+                return Ok((number, false));
+            }
+            at = (at + 1) & (self.slots.len() - 1);
+        }
+    }
+
+    /// Returns a hash by multiplications to 128 bits, whose halves are joined (wyhash, Wang Yi).
+    fn hash(&self, words: impl IntoIterator<Item = u64>) -> u64 {
+        words.into_iter().fold(self.seed, |hash, word| {
+            let product = u128::from(hash ^ word) * u128::from(self.seed | 1);
+            product as u64 ^ (product >> 64) as u64
+        })
+    }
+
+    /// Returns the slot from which on an item with these bits of its hash is found.
+    fn start(&self, tag: u64) -> usize {
+        (tag >> (32 - self.slots.len().trailing_zeros().min(32))) as usize
+    }
+
+    fn grow(&mut self) -> Result<()> {
+        const LEAST: usize = 16;
+        let count = self.slots.len().saturating_mul(2).max(LEAST);
+        let old = std::mem::replace(&mut self.slots, repeated(0, count)?);
+        for slot in old.into_iter().filter(|&slot| slot != 0) {
+            let mut at = self.start(slot >> 32);
+            while self.slots[at] != 0 {
+                at = (at + 1) & (count - 1);
+            }
+            self.slots[at] = slot;
+        }
+        Ok(())
     }
 }
 
@@ -147,17 +202,26 @@ impl Draft {
             self.notes.add("left out faces of fewer than three corners", place);
             return Ok(false);
         }
+        if let &[a, b, c] = corners {
+            self.push_triangle([a, b, c], place)?;
+            return Ok(true);
+        }
         let first = self.faces.len();
         for face in fan(corners) {
-            if has_corner_twice(&face) {
-                self.collapse(&place);
-            }
-            push(&mut self.faces, face)?;
+            self.push_triangle(face, &place)?;
         }
-        if let (4.., Ok(first)) = (corners.len(), u32::try_from(first)) {
+        if let Ok(first) = u32::try_from(first) {
             push(&mut self.polygons, [first, (corners.len() - 2) as u32])?;
         }
         Ok(true)
+    }
+
+    /// Adds a triangle, which is at `place` in the file.
+    pub fn push_triangle(&mut self, face: [u32; 3], place: impl FnOnce() -> String) -> Result<()> {
+        if has_corner_twice(&face) {
+            self.collapse(place);
+        }
+        push(&mut self.faces, face)
     }
 
     /// Records that a triangle at `place` has a vertex twice.
@@ -265,4 +329,41 @@ impl Lost {
 fn keep<T>(list: &mut Vec<T>, kept: &[bool]) {
     let mut kept = kept.iter();
     list.retain(|_| kept.next().copied().unwrap_or_default());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashMap;
+
+    #[test]
+    fn numbers_are_those_of_the_first_use_while_the_table_grows() {
+        let mut numbers = Numbers::default();
+        let mut items: Vec<[u64; 2]> = Vec::new();
+        let mut known = HashMap::new();
+        for i in 0..20_000u64 {
+            // Each of 5000 items four times.
+            let item = [i.wrapping_mul(7919) % 50, i.wrapping_mul(7919) % 5000];
+            let next = known.len() as u32;
+            let number = *known.entry(item).or_insert(next);
+            let found = numbers.of(item, |k| items[k] == item).ok().unwrap();
+            assert_eq!(found, (number, number == next));
+            if found.1 {
+                items.push(item);
+            }
+        }
+        assert_eq!(items.len(), 5000);
+    }
+
+    #[test]
+    fn items_with_the_same_words_are_told_apart_by_the_caller() {
+        let mut numbers = Numbers::default();
+        let all: Vec<u32> = (0..50).collect();
+        for turn in 0..2 {
+            for &item in &all {
+                let found = numbers.of([7], |k| all[k] == item).ok().unwrap();
+                assert_eq!(found, (item, turn == 0));
+            }
+        }
+    }
 }

@@ -291,7 +291,7 @@ fn name_of(rest: &[u8]) -> String {
 #[derive(Default)]
 struct Names {
     names: Vec<String>,
-    numbers: Numbers<String>,
+    numbers: Numbers,
     /// The index of the current name.
     current: Option<u32>,
     /// The name of each face before the current name.
@@ -307,7 +307,8 @@ impl Names {
             self.current = None;
             return Ok(());
         }
-        let (number, is_new) = self.numbers.of(name.clone())?;
+        let words = name.bytes().map(u64::from);
+        let (number, is_new) = self.numbers.of(words, |k| self.names[k] == name)?;
         if is_new {
             push(&mut self.names, name)?;
         }

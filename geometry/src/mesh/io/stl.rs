@@ -7,7 +7,7 @@ use super::super::TriMesh;
 use super::attributes::MeshFile;
 use super::draft::{Checked, Draft, Fault, Numbers, bits};
 use super::text::{quoted, words};
-use catamaran::base::Result;
+use catamaran::base::{Result, room};
 use catamaran::io::Source;
 
 /// The encoding of an STL file.
@@ -22,6 +22,9 @@ pub enum StlEncoding {
 /// Sizes of the header and of a facet of a binary file, in bytes.
 const HEADER: usize = 80;
 const FACET: usize = 50;
+
+/// Most facets that are read at a time.
+const BLOCK: usize = 1 << 14;
 
 /// Number of bytes of a file that are read to tell text from binary.
 const LOOK: usize = 1 << 12;
@@ -47,70 +50,116 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
 #[derive(Default)]
 struct Soup {
     draft: Draft,
-    numbers: Numbers<[u64; 3]>,
+    numbers: Numbers,
 }
 
 impl Soup {
-    fn push(&mut self, corners: [[f64; 3]; 3], place: impl Fn() -> String) -> Checked<()> {
+    fn push(&mut self, corners: [[f64; 3]; 3], place: impl FnOnce() -> String) -> Checked<()> {
         let mut face = [0; 3];
         for (number, position) in face.iter_mut().zip(corners) {
+            let vertices = &self.draft.vertices;
             let is_new;
-            (*number, is_new) = self.numbers.of(bits(position))?;
+            (*number, is_new) = self.numbers.of(bits(position), |v| vertices[v] == position)?;
             if is_new {
                 self.draft.push_vertex(position)?;
             }
         }
-        self.draft.push_polygon(&face, place)?;
-        Ok(())
+        Ok(self.draft.push_triangle(face, place)?)
     }
 }
 
 fn binary(source: &mut Source<'_>, soup: &mut Soup) -> Checked<()> {
-    let truncated = |what: &str, e: io::Error, source: &Source<'_>| match e.kind() {
-        io::ErrorKind::UnexpectedEof => Fault::from(format!("truncated: {what} is incomplete")),
-        _ => Fault::Error(source.io_error(e)),
-    };
     let mut header = [0; HEADER + 4];
-    source.read_exact(&mut header).map_err(|e| truncated("the header", e, source))?;
+    let (read, stopped) = read_up_to(source, &mut header);
+    if read < header.len() {
+        return Err(truncated("the header", stopped, source));
+    }
     let count = u32::from_le_bytes([header[80], header[81], header[82], header[83]]);
     // Programs that write while they compute leave one of these in place of the number.
     let is_counted = count != 0 && count != u32::MAX;
     let counted = if is_counted { count as usize } else { 0 };
-    let mut bytes = [0; FACET];
-    for f in 0..counted {
-        let what = || format!("facet {f} of {count}");
-        source.read_exact(&mut bytes).map_err(|e| truncated(&what(), e, source))?;
-        facet(&bytes, soup, what)?;
+    let mut facets = Facets { soup, done: 0, colored: 0 };
+    let mut block = vec![0; FACET * counted.min(BLOCK)];
+    while facets.done < counted {
+        let wanted = FACET * (counted - facets.done).min(BLOCK);
+        let (read, stopped) = read_up_to(source, &mut block[..wanted]);
+        let name = |f: usize| format!("facet {f} of {count}");
+        facets.add(&block[..read], name)?;
+        if read < wanted {
+            return Err(truncated(&name(facets.done), stopped, source));
+        }
     }
     let rest = source.read_all()?;
-    let (facets, tail) = rest.as_chunks::<FACET>();
+    let tail = &rest[rest.len() / FACET * FACET..];
     // Zeros fill a block of a disk.
     let is_facets = !is_counted || (tail.is_empty() && rest.iter().any(|&byte| byte != 0));
-    if is_facets && !facets.is_empty() {
-        for (i, bytes) in facets.iter().enumerate() {
-            facet(bytes, soup, || format!("facet {}", counted + i))?;
-        }
+    if is_facets {
+        facets.add(&rest, |f| format!("facet {f}"))?;
+    }
+    let Facets { done, colored, .. } = facets;
+    let notes = &mut soup.draft.notes;
+    let what = "left out colours, or other numbers in their place, of facets";
+    notes.add_many(what, colored, String::new);
+    if done > counted {
         let what = format!("took the number of facets from the size, not {count} of the header");
-        soup.draft.notes.add_many(what, counted + facets.len(), String::new);
+        notes.add_many(what, done, String::new);
     }
     let left_out = if is_facets { tail.len() } else { rest.len() };
-    soup.draft.notes.add_many("left out bytes after the last facet", left_out, String::new);
+    notes.add_many("left out bytes after the last facet", left_out, String::new);
     Ok(())
 }
 
-/// Adds a facet of a binary file: its normal, its corners, and two bytes of attributes.
-fn facet(bytes: &[u8; FACET], soup: &mut Soup, what: impl Fn() -> String) -> Checked<()> {
-    let x = |i: usize| {
-        let at = 12 + 4 * i;
-        let bytes = [bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]];
-        f64::from(f32::from_le_bytes(bytes))
-    };
-    let corners = [[x(0), x(1), x(2)], [x(3), x(4), x(5)], [x(6), x(7), x(8)]];
-    if bytes[FACET - 2..] != [0; 2] {
-        let what = "left out colours, or other numbers in their place, of facets";
-        soup.draft.notes.add(what, String::new);
+/// Reads until the buffer is full, the file ends, or an error, which it returns. Returns the number
+/// of bytes read, too.
+fn read_up_to(source: &mut Source<'_>, out: &mut [u8]) -> (usize, Option<io::Error>) {
+    let mut count = 0;
+    while count < out.len() {
+        match source.read(&mut out[count..]) {
+            Ok(0) => break,
+            Ok(more) => count += more,
+            Err(e) if e.kind() == io::ErrorKind::Interrupted => {}
+            Err(e) => return (count, Some(e)),
+        }
     }
-    soup.push(corners, &what).map_err(|fault| fault.of(what))
+    (count, None)
+}
+
+/// Returns the error of a file of which `what` was not read to its end.
+fn truncated(what: &str, stopped: Option<io::Error>, source: &Source<'_>) -> Fault {
+    match stopped {
+        Some(e) if e.kind() != io::ErrorKind::UnexpectedEof => Fault::Error(source.io_error(e)),
+        _ => format!("truncated: {what} is incomplete").into(),
+    }
+}
+
+/// The facets of a binary file that were read so far.
+struct Facets<'s> {
+    soup: &'s mut Soup,
+    done: usize,
+    /// Number of those with colours, or other numbers in their place.
+    colored: usize,
+}
+
+impl Facets<'_> {
+    /// Adds the whole facets of these bytes, each of which is a normal, three corners, and two
+    /// bytes of attributes. `name` returns the name of a facet with this number.
+    fn add(&mut self, bytes: &[u8], name: impl Fn(usize) -> String) -> Checked<()> {
+        let (facets, _) = bytes.as_chunks::<FACET>();
+        room(&mut self.soup.draft.faces, facets.len())?;
+        for bytes in facets {
+            let x = |i: usize| {
+                let at = 12 + 4 * i;
+                let bytes = [bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]];
+                f64::from(f32::from_le_bytes(bytes))
+            };
+            let corners = [[x(0), x(1), x(2)], [x(3), x(4), x(5)], [x(6), x(7), x(8)]];
+            self.colored += usize::from(bytes[FACET - 2..] != [0; 2]);
+            let place = || name(self.done);
+            self.soup.push(corners, place).map_err(|fault| fault.of(place))?;
+            self.done += 1;
+        }
+        Ok(())
+    }
 }
 
 /// The part of a text file that was read so far.
@@ -193,8 +242,13 @@ impl Text {
     ) -> Checked<()> {
         let Some(keyword) = words.next() else { return Ok(()) };
         let place = || format!("line {line_number}");
-        let lower = keyword.to_ascii_lowercase();
-        if self.in_facet && matches!(&lower[..], b"facet" | b"endsolid") {
+        // Longer words are no statements.
+        let mut lower = [0; 8];
+        let lower = lower.get_mut(..keyword.len()).unwrap_or_default();
+        lower.copy_from_slice(&keyword[..lower.len()]);
+        lower.make_ascii_lowercase();
+        let lower = &*lower;
+        if self.in_facet && matches!(lower, b"facet" | b"endsolid") {
             if self.corners.len() == 3 {
                 soup.draft.notes.add("took facets without an endfacet", place);
                 self.end_facet(soup, place)?;
@@ -202,7 +256,7 @@ impl Text {
             // The words that began a facet were part of the name of the solid.
             self.in_facet &= self.is_followed;
         }
-        match &lower[..] {
+        match lower {
             b"solid" if !self.in_facet => {
                 self.in_solid = true;
                 skip_name(words);

@@ -94,7 +94,7 @@ struct Package<'p, 's, 'a> {
     supports: (usize, usize),
     /// The names of the parts to read, the root first, and their numbers.
     parts: Vec<String>,
-    numbers: Numbers<String>,
+    numbers: Numbers,
     /// Millimetres in a unit of the file.
     scale: f64,
     unit: String,
@@ -131,7 +131,8 @@ impl<'p, 's, 'a> Package<'p, 's, 'a> {
 
     /// Returns the number of a part, which is added to those to read unless it is one of them.
     fn want(&mut self, name: String) -> Checked<u32> {
-        let (number, is_new) = self.numbers.of(name.clone())?;
+        let words = name.bytes().map(u64::from);
+        let (number, is_new) = self.numbers.of(words, |k| self.parts[k] == name)?;
         if is_new {
             push(&mut self.parts, name)?;
         }

@@ -1,6 +1,7 @@
 //! The JSON and the buffers of a glTF file: in one binary file, in the JSON as base64, or in
 //! separate files.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -22,9 +23,9 @@ const JSON: &[u8] = b"JSON";
 const BIN: &[u8] = b"BIN\0";
 
 /// A document and its buffers.
-pub(super) struct Content {
+pub(super) struct Content<'b> {
     pub document: Document,
-    pub buffers: Vec<Vec<u8>>,
+    pub buffers: Vec<Cow<'b, [u8]>>,
     /// The bytes of views that are packed, or what is wrong with them, by the number of the view.
     pub unpacked: BTreeMap<usize, Result<Vec<u8>, String>>,
     /// The numbers of accessors that Draco packs, or what is wrong with them, by the number of the
@@ -32,15 +33,14 @@ pub(super) struct Content {
     pub decoded: BTreeMap<usize, Result<Vec<f64>, String>>,
 }
 
-impl Content {
-    /// Reads the container and its document.
-    pub fn read(source: &mut Source<'_>) -> Checked<Self> {
-        let bytes = source.read_all()?;
+impl<'b> Content<'b> {
+    /// Reads the container and its document, which are all bytes of a file.
+    pub fn read(bytes: &'b [u8], source: &Source<'_>) -> Checked<Self> {
         let (json, binary, is_text) = if bytes.starts_with(MAGIC) {
-            let (json, binary) = chunks(&bytes)?;
+            let (json, binary) = chunks(bytes)?;
             (json, binary, false)
         } else {
-            (&bytes[..], None, true)
+            (bytes, None, true)
         };
         let json = without_mark(json);
         let document: Document = serde_json::from_slice(json).map_err(|e| {
@@ -70,7 +70,7 @@ impl Content {
         for (i, buffer) in document.buffers.iter().enumerate() {
             let binary = binary.filter(|_| i == 0);
             if is_placeholder(buffer, binary, &document) {
-                buffers.push(Vec::new());
+                buffers.push(Cow::default());
                 continue;
             }
             total = total.saturating_add(buffer.byte_length);
@@ -176,7 +176,7 @@ fn is_placeholder(buffer: &Buffer, binary: Option<&[u8]>, document: &Document) -
 }
 
 /// Returns the bytes of a view that is packed.
-fn unpack(view: &View, packed: &Packed, buffers: &[Vec<u8>]) -> Checked<Vec<u8>> {
+fn unpack(view: &View, packed: &Packed, buffers: &[Cow<'_, [u8]>]) -> Checked<Vec<u8>> {
     let stride = packed.byte_stride;
     if view.byte_stride.is_some_and(|own| own != stride)
         || packed.count.checked_mul(stride) != Some(view.byte_length)
@@ -230,32 +230,37 @@ fn chunks(bytes: &[u8]) -> Checked<(&[u8], Option<&[u8]>)> {
 
 /// Returns the bytes of a buffer: `binary` where the buffer has no URI, otherwise those of the URI
 /// or of the file beside `path` that it names.
-fn load(
+fn load<'b>(
     buffer: &Buffer,
-    binary: Option<&[u8]>,
+    binary: Option<&'b [u8]>,
     path: &Path,
     document: &Document,
-) -> Checked<Vec<u8>> {
+) -> Checked<Cow<'b, [u8]>> {
     let length = buffer.byte_length;
-    let mut bytes = match buffer.uri.as_deref() {
+    let bytes: Cow<'b, [u8]> = match buffer.uri.as_deref() {
         None => match (binary, extensions::source(&buffer.extensions.others, document)) {
-            (Some(binary), _) => binary.to_vec(),
+            (Some(binary), _) => binary.into(),
             (None, Some(name)) => return Err(unsupported(name)),
             (None, None) => return Err("has no URI, and is not in the file".into()),
         },
         Some(uri) => match uri.strip_prefix("data:") {
-            Some(data) => embedded(data)?,
+            Some(data) => embedded(data)?.into(),
             None => {
                 let name = unescaped(uri).ok_or_else(|| format!("broken URI {uri:?}"))?;
-                beside(&name, path, 0, length)?
+                beside(&name, path, 0, length)?.into()
             }
         },
     };
     if bytes.len() < length {
         return Err(format!("has {} of {length} bytes", bytes.len()).into());
     }
-    bytes.truncate(length);
-    Ok(bytes)
+    Ok(match bytes {
+        Cow::Borrowed(bytes) => bytes[..length].into(),
+        Cow::Owned(mut bytes) => {
+            bytes.truncate(length);
+            bytes.into()
+        }
+    })
 }
 
 /// Returns the bytes of a data URI; `data` is what follows `data:`.

@@ -25,6 +25,7 @@ pub(super) fn component_size(code: u32) -> Option<usize> {
 }
 
 /// The storage of elements.
+#[derive(Clone, Copy)]
 pub(super) struct Layout {
     pub component: u32,
     /// Whether integers represent fractions of their maximum.
@@ -34,6 +35,7 @@ pub(super) struct Layout {
 
 impl Layout {
     /// Returns the number in these bytes, as many as the component type has.
+    #[inline(always)]
     pub fn number(&self, bytes: &[u8]) -> f64 {
         let mut wide = [0; 4];
         wide.iter_mut().zip(bytes).for_each(|(to, from)| *to = *from);

@@ -18,8 +18,7 @@ mod scene;
 mod transform;
 mod write;
 
-use self::accessor::index;
-use self::assembly::{Assembly, Vertex};
+use self::assembly::Assembly;
 use self::container::Content;
 use self::document::{Primitive, code};
 use self::layout::width;
@@ -44,7 +43,8 @@ type VertexMemory = [u8; 400];
 
 pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
     let read = |source: &mut Source<'_>| -> Checked<MeshFile> {
-        let content = Content::read(source)?;
+        let bytes = source.read_all()?;
+        let content = Content::read(&bytes, source)?;
         let mut assembly = Assembly::default();
         extensions::note_left_out(&content.document, &mut assembly.draft.notes);
         let placed = scene::placed(&content, source, &mut assembly.draft.notes)?;
@@ -56,7 +56,7 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
 }
 
 struct Reader<'c, 's, 'a> {
-    content: &'c Content,
+    content: &'c Content<'c>,
     source: &'s Source<'a>,
     assembly: Assembly,
 }
@@ -105,28 +105,35 @@ impl Reader<'_, '_, '_> {
             self.assembly.points(place);
             return Ok(());
         }
-        let vertices = self.assembly.vertices.len() - first as usize;
-        let corners: Vec<u32> = match primitive.indices {
+        let vertices = self.assembly.positions.len() - first as usize;
+        let content = self.content;
+        let numbers = match primitive.indices {
             Some(indices) => {
-                self.check_room(self.content.count(indices)?)?;
-                let inside = |[number]: [f64; 1]| match index(number) {
-                    Some(known) if known < vertices => Ok(first + known as u32),
-                    _ => Err(number),
-                };
-                let found = self.content.values::<1>(indices)?.into_iter().map(inside);
-                let found: std::result::Result<Vec<u32>, f64> = found.collect();
-                found.map_err(|number| {
-                    format!("vertex {number} is out of range: {vertices} vertices")
-                })?
+                self.check_room(content.count(indices)?)?;
+                let numbers = content.indices(indices)?;
+                if let Some(i) = numbers.iter().position(|&[number]| number as usize >= vertices) {
+                    // As the file has it, which may be no index.
+                    let [number] = content.values::<1>(indices)?[i];
+                    let what = format!("vertex {number} is out of range: {vertices} vertices");
+                    return Err(what.into());
+                }
+                numbers
             }
-            None => (first..first + vertices as u32).collect(),
+            None => (0..vertices as u32).map(|number| [number]).collect(),
         };
-        let corners = match mode {
+        let corners = numbers.as_flattened();
+        let is_mirrored = transform.is_mirrored();
+        let placed = |face: [u32; 3]| {
+            let [a, b, c] = face.map(|number| first + number);
+            if is_mirrored { [a, c, b] } else { [a, b, c] }
+        };
+        let faces: Vec<[u32; 3]> = match mode {
             code::TRIANGLES => {
                 let (triangles, rest) = corners.as_chunks::<3>();
                 let what = "left out corners behind the last triangle of a primitive";
                 self.assembly.draft.notes.add_many(what, rest.len(), place);
-                triangles.to_vec()
+                let faces = triangles.iter().map(|&face| placed(face));
+                return Ok(self.assembly.add_faces(faces, primitive.material, place)?);
             }
             code::TRIANGLE_STRIP => {
                 let turned = |(i, t): (usize, &[u32])| {
@@ -136,13 +143,10 @@ impl Reader<'_, '_, '_> {
                 let all = corners.windows(3).enumerate().map(turned);
                 all.filter(|face| !has_corner_twice(face)).collect()
             }
-            _ => fan(&corners).collect(),
+            _ => fan(corners).collect(),
         };
-        for [a, b, c] in corners {
-            let face = if transform.is_mirrored() { [a, c, b] } else { [a, b, c] };
-            self.assembly.push_face(face, primitive.material, place)?;
-        }
-        Ok(())
+        let faces = faces.into_iter().map(placed);
+        Ok(self.assembly.add_faces(faces, primitive.material, place)?)
     }
 
     /// Adds the vertices of a primitive. Returns the number of the first one.
@@ -175,26 +179,32 @@ impl Reader<'_, '_, '_> {
         }
         let colors = attributes.color.map(|i| self.colors(i)).transpose()?;
         let assembly = &mut self.assembly;
-        let first = u32::try_from(assembly.vertices.len()).ok();
+        let start = assembly.positions.len();
+        let first = u32::try_from(start).ok();
         let first = first.filter(|first| first.checked_add(count as u32).is_some());
         let first = first.ok_or("more than 2^32 vertices")?;
-        for (i, position) in positions.into_iter().enumerate() {
-            let position = transform.point(position);
+        for (i, position) in positions.iter_mut().enumerate() {
+            *position = transform.point(*position);
             if position.iter().any(|x| !x.is_finite()) {
                 return Err(format!("vertex {i}: position {position:?} is not finite").into());
             }
-            let normal = normals.as_ref().and_then(|normals| normals.get(i)).copied();
-            let normal = normal.map(|n| assembly.draft.finite(n, place));
-            let uv = uv.as_ref().and_then(|uv| uv.get(i)).copied();
-            let uv = uv.map(|uv| assembly.draft.finite(uv, place));
-            let color = colors.as_ref().and_then(|colors| colors.get(i)).copied();
-            let color = color.map(|color| assembly.draft.finite(color, place));
-            assembly.push_vertex(Vertex {
-                position,
-                normal: normal.map(|n| transform.normal(n)),
-                uv: uv.map(|[u, v]| [u, 1.0 - v]),
-                color,
-            })?;
+        }
+        assembly.add_vertices(positions)?;
+        let draft = &mut assembly.draft;
+        if let Some(normals) = normals {
+            let moved = |n| transform.normal(draft.finite(n, place));
+            assembly.normals.add(start, normals.into_iter().map(moved))?;
+        }
+        if let Some(uv) = uv {
+            let turned = |uv| {
+                let [u, v] = draft.finite(uv, place);
+                [u, 1.0 - v]
+            };
+            assembly.uv.add(start, uv.into_iter().map(turned))?;
+        }
+        if let Some(colors) = colors {
+            let finite = |color| draft.finite(color, place);
+            assembly.colors.add(start, colors.into_iter().map(finite))?;
         }
         Ok(first)
     }
@@ -267,7 +277,7 @@ impl Reader<'_, '_, '_> {
     /// Returns an error if `more` vertices or corners would exceed the limit of memory: nodes and
     /// accessors of a small file may repeat the same data many times.
     fn check_room(&self, more: usize) -> Result<()> {
-        let so_far = self.assembly.vertices.len() + self.assembly.faces.len();
+        let so_far = self.assembly.positions.len() + self.assembly.faces.len();
         self.source.check_memory::<VertexMemory>("the meshes", so_far.saturating_add(more))
     }
 }

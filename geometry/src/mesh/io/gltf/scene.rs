@@ -29,7 +29,7 @@ struct Visit {
 ///
 /// A file without scenes shows its nodes without parents, and a file without nodes its meshes.
 pub(super) fn placed<'c>(
-    content: &'c Content,
+    content: &'c Content<'_>,
     source: &Source<'_>,
     notes: &mut Notes,
 ) -> Checked<Vec<Placed<'c>>> {
@@ -104,7 +104,7 @@ fn of_mesh(node: &Node, index: usize, transform: Transform, notes: &mut Notes) -
 
 /// Adds the mesh of a node, once for each of its instances.
 fn place<'c>(
-    content: &'c Content,
+    content: &'c Content<'_>,
     source: &Source<'_>,
     node: &'c Node,
     index: usize,
@@ -124,7 +124,7 @@ fn place<'c>(
 
 /// Calls `add` with the transformation of each instance; `so_far` meshes are placed already.
 fn each_instance(
-    content: &Content,
+    content: &Content<'_>,
     source: &Source<'_>,
     instances: &Instances,
     so_far: usize,
