@@ -40,8 +40,8 @@ impl Content<'_> {
         self.converted(number, |x| x)
     }
 
-    /// Returns the numbers of an accessor as indices; [`NO_INDEX`](super::super::stored::NO_INDEX) for
-    /// those that are none.
+    /// Returns the numbers of an accessor as indices; [`NO_INDEX`](super::super::stored::NO_INDEX)
+    /// for those that are none.
     pub fn indices(&self, number: usize) -> Checked<Vec<[u32; 1]>> {
         self.converted(number, index)
     }
