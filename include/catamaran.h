@@ -1921,6 +1921,14 @@ typedef struct cata_decimation_params {
     /** 1: edges of the input stay whole, and n is at most its number of vertices. 0: those
      * longer than the edges of the result are split first. */
     int32_t keep_edges;
+    /** Vertices that stay, each once: the first of the result, in this order, at the same
+     * positions; edges between them stay, unless they are longer than those of the result and
+     * split (cata_decimation_locked_edges). NULL: none. */
+    const uint32_t *locked;
+    size_t n_locked; /**< Number of `locked`, at most n. */
+    /** 1: the relaxation ends with passes that make areas as equal as possible, at the cost of
+     * the shapes of triangles. 0: it does not. */
+    int32_t uniform;
 } cata_decimation_params;
 /** Fills a struct with the defaults. */
 cata_status cata_decimation_params_init(cata_decimation_params *params, size_t struct_size);
@@ -1935,6 +1943,26 @@ cata_status cata_decimation_params_init(cata_decimation_params *params, size_t s
 cata_status cata_decimation_new(size_t n_vertices, const double *vertices, size_t n_faces,
     const uint32_t *faces, size_t n, const cata_decimation_params *params,
     cata_decimation **decimation);
+
+/** Decimates a triangle mesh as cata_decimation_new does, to the fewest vertices that a search
+ * finds for which no point of either surface is farther from the other one than `error`: what
+ * cata_decimation_bound returns is at most `error`. The number is at most 2 % (or 1) above one
+ * that is too small.
+ * - `error`: positive, in the unit of the mesh. If it can't be reached, CATA_ERR_ARGUMENT.
+ * - `decimation`: one pointer, written. */
+cata_status cata_decimation_new_within(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, double error, const cata_decimation_params *params,
+    cata_decimation **decimation);
+
+/** Computes an upper bound of the distance of any point of the input or of the result from the
+ * other surface: the Hausdorff distance, or at most 1 % more.
+ * - `bound`: written, in the unit of the mesh. */
+cata_status cata_decimation_bound(const cata_decimation *decimation, double *bound);
+
+/** Gets the number of edges of the input between locked vertices, and that of those which the
+ * result does not have: edges longer than its own were split. NULL where not wanted. */
+cata_status cata_decimation_locked_edges(const cata_decimation *decimation, size_t *n_edges,
+    size_t *n_lost);
 
 void cata_decimation_free(cata_decimation *decimation); /**< Frees a decimation. */
 
@@ -2404,6 +2432,11 @@ cata_status cata_map_fit_landmarks(cata_map_fit *fit, size_t count, const uint32
 cata_status cata_map_fit_segments(cata_map_fit *fit, const uint32_t *source_labels,
     const uint32_t *target_labels);
 
+/** Adds heat and wave kernel signatures: of `source` and `target`, of cata_basis_new for the same
+ * meshes, with more functions than the fit, or as many. */
+cata_status cata_map_fit_signatures(cata_map_fit *fit, const cata_basis *source,
+    const cata_basis *target);
+
 /** Computes the map C (r_target x r_source, written) that fits best what was added and commutes
  * with the Laplacians; `commutativity` >= 0, usually 1e-3, weighs that. It keeps the constant. */
 cata_status cata_map_fit_solve(cata_map_fit *fit, double commutativity, int32_t layout, double *c,
@@ -2423,6 +2456,23 @@ cata_status cata_map_icp(const cata_basis *source, const cata_basis *target, siz
 cata_status cata_map_zoomout(const cata_basis *source, const cata_basis *target, size_t step,
     int32_t layout, size_t rows, size_t cols, const double *c, size_t ldc, double *map,
     size_t ldmap, uint32_t *points, const cata_basis_params *params);
+
+/** Searches for the map of two nearly isometric meshes of which no correspondence is known, and
+ * refines it by ZoomOut to the whole MAP (r_target x r_source, written): the one that commutes
+ * best with the Laplacians among those that keep the orientation, left and right.
+ * - `source`, `target`, `points`: as in cata_map_icp; 40 functions or more are best.
+ * - `source_vertices`, `target_vertices`: 3 elements for each vertex of a basis; the faces: 3 for
+ *   each.
+ * - `is_ambiguous`: written: 1 where another map may be the true one, so that the map is to be
+ *   checked, or found from landmarks; 0 otherwise. It is required.
+ * - `commutativity`: written: |C L - L' C|^2 / |L|^2 for area 1; `next`: that of the next best
+ *   map, infinite without one; `orientation`: written: from -1 to 1, of a map that keeps it near
+ *   1. Each is NULL where not wanted. */
+cata_status cata_map_search(const cata_basis *source, const cata_basis *target,
+    const double *source_vertices, size_t n_source_faces, const uint32_t *source_faces,
+    const double *target_vertices, size_t n_target_faces, const uint32_t *target_faces,
+    int32_t layout, double *map, size_t ldmap, uint32_t *points, int32_t *is_ambiguous,
+    double *commutativity, double *next, double *orientation, const cata_basis_params *params);
 
 /** Computes the points of the map C (r_target x r_source) between any bases: n_target elements,
  * written: for each vertex of the target that of the source whose image is nearest. */

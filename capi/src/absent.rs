@@ -241,9 +241,11 @@ absent! { "chapters":
     fn cata_map_fit_operators(fit: *mut c_void, layout: i32, count: usize, f: *const f64, ldf: usize, g: *const f64, ldg: usize, weight: f64) -> cata_status;
     fn cata_map_fit_landmarks(fit: *mut c_void, count: usize, pairs: *const u32) -> cata_status;
     fn cata_map_fit_segments(fit: *mut c_void, source_labels: *const u32, target_labels: *const u32) -> cata_status;
+    fn cata_map_fit_signatures(fit: *mut c_void, source: *const c_void, target: *const c_void) -> cata_status;
     fn cata_map_fit_solve(fit: *mut c_void, commutativity: f64, layout: i32, c: *mut f64, ldc: usize, params: *const c_void) -> cata_status;
     fn cata_map_icp(source: *const c_void, target: *const c_void, iterations: usize, layout: i32, c: *mut f64, ldc: usize, points: *mut u32, params: *const c_void) -> cata_status;
     fn cata_map_zoomout(source: *const c_void, target: *const c_void, step: usize, layout: i32, rows: usize, cols: usize, c: *const f64, ldc: usize, map: *mut f64, ldmap: usize, points: *mut u32, params: *const c_void) -> cata_status;
+    fn cata_map_search(source: *const c_void, target: *const c_void, source_vertices: *const f64, n_source_faces: usize, source_faces: *const u32, target_vertices: *const f64, n_target_faces: usize, target_faces: *const u32, layout: i32, map: *mut f64, ldmap: usize, points: *mut u32, is_ambiguous: *mut i32, commutativity: *mut f64, next: *mut f64, orientation: *mut f64, params: *const c_void) -> cata_status;
     fn cata_map_points(source: *const c_void, target: *const c_void, layout: i32, c: *const f64, ldc: usize, points: *mut u32, params: *const c_void) -> cata_status;
     fn cata_product_map(source_eigen: *const c_void, target_eigen: *const c_void, source: *const c_void, target: *const c_void, layout: i32, c: *const f64, ldc: usize, of_all: i32, o: *mut f64, ldo: usize, params: *const c_void) -> cata_status;
     fn cata_map_from_points(source: *const c_void, target: *const c_void, points: *const u32, layout: i32, c: *mut f64, ldc: usize, params: *const c_void) -> cata_status;

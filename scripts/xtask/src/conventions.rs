@@ -107,7 +107,7 @@ fn meshes_are_four_arguments() {
 fn it_can_be_read() {
     let text = text();
     let lines = text.lines().count();
-    assert!(lines <= 3280, "{lines} lines");
+    assert!(lines <= 3340, "{lines} lines");
     none_of(text.lines().filter(|line| line.chars().count() > 100).map(str::to_owned));
     none_of(text.split("@defgroup ").skip(1).filter_map(|section| {
         let title = section.lines().next().unwrap();
