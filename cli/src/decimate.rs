@@ -471,6 +471,11 @@ fn report_result(args: &Args, input: &MeshFile, level: &Level, par: Par) -> Resu
         "{vertices} vertices, {faces} faces, in {}",
         seconds(elapsed)
     )?;
+    if args.error.is_some() && vertices > input.mesh.vertices().len() {
+        note(format_args!(
+            "{vertices} vertices are more than the input has: --error is small for its faces"
+        ));
+    }
     let repairs = found.repairs;
     status!(
         "repairs",
