@@ -128,12 +128,12 @@ fn locked_vertices_come_first_and_stay_where_they_are() {
     let mut file = MeshFile::from(mesh.clone());
     let values = (0..mesh.vertices().len()).map(|v| f64::from(u8::from(v == 9 || v == 300)));
     file.scalars.push(Scalars { name: "fixed".into(), values: values.collect() });
-    let folder = folder("in.ply", &file);
+    let folder = folder("in.vtk", &file);
     folder.write("fixed.txt", "# three\n\n300\n7\n2000\n");
     for (option, vertices) in
         [("--lock fixed.txt", vec![300, 7, 2000]), ("--lock-by fixed", vec![9, 300])]
     {
-        let said = folder.succeed(&format!("decimate in.ply -n 100 {option} -o out.ply --force"));
+        let said = folder.succeed(&format!("decimate in.vtk -n 100 {option} -o out.ply --force"));
         assert!(said.contains(&format!("locked      {} vertices", vertices.len())), "{said}");
         let made = read(&folder.path("out.ply")).unwrap().mesh;
         assert_eq!(made.vertices().len(), 100);
@@ -148,14 +148,14 @@ fn locked_vertices_come_first_and_stay_where_they_are() {
         ("# nothing\n", "wrong.txt: names no vertex"),
     ] {
         folder.write("wrong.txt", text);
-        let said = folder.fail("decimate in.ply -n 100 --lock wrong.txt -o no.ply");
+        let said = folder.fail("decimate in.vtk -n 100 --lock wrong.txt -o no.ply");
         assert!(said.contains(why), "{said}");
     }
-    let said = folder.fail("decimate in.ply -n 100 --lock-by loose -o no.ply");
-    assert!(said.contains("--lock-by loose: in.ply has no such scalar: fixed"), "{said}");
-    let said = folder.fail("decimate in.ply -n 5 --lock fixed.txt --method thesis -o no.ply");
+    let said = folder.fail("decimate in.vtk -n 100 --lock-by loose -o no.ply");
+    assert!(said.contains("--lock-by loose: in.vtk has no such scalar: fixed"), "{said}");
+    let said = folder.fail("decimate in.vtk -n 5 --lock fixed.txt --method thesis -o no.ply");
     assert!(said.contains("--lock: the method of the thesis locks no vertices"), "{said}");
-    let said = folder.fail("decimate in.ply -n 100 --lock none.txt -o no.ply");
+    let said = folder.fail("decimate in.vtk -n 100 --lock none.txt -o no.ply");
     assert!(said.contains("none.txt"), "{said}");
 }
 
