@@ -32,8 +32,8 @@ pub(super) struct Embedding {
     /// Samples x functions.
     source: Mat<f64>,
     target: Mat<f64>,
-    /// For each number k of functions, from 1, the matrix (k x samples) that takes values at samples of the
-    /// target to coefficients of its first k functions, by least squares.
+    /// For each number k of functions, from 1, the matrix (k x samples) that takes values at
+    /// samples of the target to coefficients of its first k functions, by least squares.
     inverses: Vec<Mat<f64>>,
 }
 

@@ -199,13 +199,13 @@ impl<'a> MapFit<'a> {
         Ok(())
     }
 
-    /// Adds heat and wave kernel signatures of `source` and `target`, bases of the same meshes, with
-    /// at least as many functions: more of them distinguish vertices better. Signatures are those of
-    /// the meshes as if scaled to area 1; they do not tell left from right.
+    /// Adds heat and wave kernel signatures of `source` and `target`, bases of the same meshes,
+    /// with at least as many functions: more of them distinguish vertices better. Signatures are
+    /// those of the meshes as if scaled to area 1; they do not tell left from right.
     ///
     /// # Errors
-    /// [`Error::Shape`] for bases of other meshes, [`Error::Argument`] unless the eigenvalues of the
-    /// source have two different positive values.
+    /// [`Error::Shape`] for bases of other meshes, [`Error::Argument`] unless the eigenvalues of
+    /// the source have two different positive values.
     pub fn signatures(&mut self, source: &Eigenbasis, target: &Eigenbasis) -> Result<()> {
         self.check_vertices(source, target)?;
         let values = |basis: &Eigenbasis| -> Result<Vec<f64>> {
@@ -231,12 +231,12 @@ impl<'a> MapFit<'a> {
     }
 
     /// Adds the condition of [`MapFit::operators`] for heat kernels around corresponding vertices
-    /// (source, target), of `source` and `target`, bases of the same meshes: unlike signatures, they
-    /// tell left from right.
+    /// (source, target), of `source` and `target`, bases of the same meshes: unlike signatures,
+    /// they tell left from right.
     ///
     /// # Errors
-    /// [`Error::Shape`] for bases of other meshes, [`Error::Argument`] for a pair that is not a pair
-    /// of vertices, and as [`MapFit::operators`].
+    /// [`Error::Shape`] for bases of other meshes, [`Error::Argument`] for a pair that is not a
+    /// pair of vertices, and as [`MapFit::operators`].
     pub fn kernels(
         &mut self,
         pairs: &[(u32, u32)],

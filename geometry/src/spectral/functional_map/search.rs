@@ -93,8 +93,8 @@ impl FoundMap {
         map_from_points(&points, low.0, low.1, par)
     }
 
-    /// Returns why another map may be the true one, so that only known correspondences could decide;
-    /// `None` where nothing speaks against this one.
+    /// Returns why another map may be the true one, so that only known correspondences could
+    /// decide; `None` where nothing speaks against this one.
     pub fn doubt(&self) -> Option<&'static str> {
         if self.orientation < ORIENTED {
             Some("no map that keeps left and right was found")
