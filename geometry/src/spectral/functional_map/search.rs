@@ -17,8 +17,10 @@ use crate::spectral::basis::Basis;
 use crate::spectral::eigenbasis::Eigenbasis;
 use catamaran::base::{Error, Par, Progress, Result, Tracker};
 
-/// Number of samples of each mesh.
+/// Numbers of samples of each mesh between which maps are refined, and with which they are compared
+/// in the end: 200 tell the true map of two bodies from others less well.
 const SAMPLES: usize = 200;
+const COMPARING: usize = 2000;
 
 /// Number of functions besides the constant whose signs and orders are tried: 256 starts.
 const SIGNS: usize = 5;
@@ -32,9 +34,10 @@ const STEPS: [usize; 2] = [2, 3];
 /// Samples for each function, at least: fewer do not determine the map.
 const SAMPLES_EACH: usize = 4;
 
-/// Number of candidates that are kept after each stage, and that are varied.
+/// Number of candidates that are kept after each stage, that are varied, and that are composed.
 const KEPT: usize = 16;
 const VARIED: usize = 8;
+const COMPOSED: usize = 8;
 
 /// Functions (constant: 0) of which one changes its sign in a variation. Among them are the first
 /// that tell the front of a body from its back, which signs of earlier functions do not decide.
@@ -166,9 +169,17 @@ pub fn search_map(
     starts.push(by_signatures((source, target), compared, ratio, par)?);
     let mut kept = search.run(starts, compared, STEPS[0], progress.part(0.0..0.4))?;
     let variations = kept.iter().take(VARIED).flat_map(|c| flipped(c.map.as_ref())).collect();
-    kept.extend(search.run(variations, compared, STEPS[0], progress.part(0.4..0.9))?);
-    let kept = distinct(kept).into_iter().map(|c| c.map).collect();
-    let found = search.run(kept, last, STEPS[1], progress.part(0.9..1.0))?;
+    kept.extend(search.run(variations, compared, STEPS[0], progress.part(0.4..0.8))?);
+    kept = distinct(kept);
+    let compositions = composed(&kept[..COMPOSED.min(kept.len())]);
+    kept.extend(search.run(compositions, compared, STEPS[0], progress.part(0.8..0.85))?);
+    let maps = |candidates: Vec<Candidate>| candidates.into_iter().map(|c| c.map).collect();
+    let found = search.run(maps(distinct(kept)), last, STEPS[1], progress.part(0.85..0.95))?;
+
+    let [from, to] = [source_mesh, target_mesh].map(|mesh| far_vertices(mesh, COMPARING));
+    let embedding = Embedding::new((source, &from), (target, &to), last)?;
+    let search = Search { embedding, ..search };
+    let found = search.run(maps(found), last, STEPS[1], progress.part(0.95..1.0))?;
 
     let turning = |i: usize| if i + 1 < last { i + 1 } else { 0 };
     let rings = [Rings::new(source_mesh, &from), Rings::new(target_mesh, &to)];
@@ -298,6 +309,22 @@ fn flipped(c: MatRef<'_, f64>) -> Vec<Mat<f64>> {
     FLIPPED.filter(|&j| j < c.nrows()).map(flipped).collect()
 }
 
+/// Returns `A B^T C` of any three of these maps: where A, B and C are the true map after three
+/// symmetries of a surface, which map it nearly to itself, the true map is often among them.
+fn composed(best: &[Candidate]) -> Vec<Mat<f64>> {
+    let mut all = Vec::new();
+    for b in 0..best.len() {
+        let others: Vec<usize> = (0..best.len()).filter(|&i| i != b).collect();
+        for (place, &a) in others.iter().enumerate() {
+            for &c in &others[place + 1..] {
+                let half = &best[a].map * best[b].map.transpose();
+                all.push(&half * &best[c].map);
+            }
+        }
+    }
+    all
+}
+
 /// Returns the map that fits signatures, which is all that tells points of surfaces apart that are
 /// far from isometric.
 fn by_signatures(
@@ -332,6 +359,18 @@ mod tests {
         }
         assert!((0..all.len()).all(|a| (0..a).all(|b| all[a] != all[b])));
         assert_eq!(signed_orders(1).len(), 2);
+    }
+
+    #[test]
+    fn four_symmetries_are_compositions_of_three_of_them() {
+        let signs = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]];
+        let map =
+            |[x, y]: [f64; 2]| Mat::from_fn(2, 2, |i, j| if i == j { [x, y][i] } else { 0.0 });
+        let candidate = |signs| Candidate { map: map(signs), points: vec![], defect: 0.0 };
+        let found = composed(&signs[1..].iter().copied().map(candidate).collect::<Vec<_>>());
+        assert_eq!(found, vec![map(signs[0]); 3]);
+        assert_eq!(composed(&signs.map(candidate)).len(), 12);
+        assert!(composed(&[]).is_empty());
     }
 
     #[test]
