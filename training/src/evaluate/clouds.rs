@@ -61,13 +61,13 @@ mod tests {
         let model = Model::new(Family::Humanoid, 2500).unwrap();
         let frame = Frame { up: 2, side: 0 };
         let mut all = Vec::new();
-        for bodies in Bodies::ALL {
+        for bodies in [Bodies::Usual, Bodies::TypeB] {
             let mesh = bodies.shape(&model, 31, 0).unwrap();
             let found = body_clouds(&mesh, frame, Par::all()).unwrap();
             all.extend(found.into_iter().map(|cloud| (bodies, cloud)));
         }
         let mean = all.iter().map(|(_, cloud)| cloud.mean).sum::<f64>() / all.len() as f64;
         let worst = all.iter().max_by(|a, b| a.1.mean.total_cmp(&b.1.mean)).unwrap();
-        assert!(mean < 0.05 && worst.1.mean < 0.15, "{mean} {worst:?}");
+        assert!(mean < 0.03 && worst.1.mean < 0.06, "{mean} {worst:?}");
     }
 }
