@@ -163,7 +163,7 @@ impl Part {
             Self::Mesh(surface) => surface,
         };
         let pieces = surface.pieces(&Boundary::Dirichlet)?;
-        let (_, closed, _, _) = pieces;
+        let (_, closed, ..) = pieces;
         if closed > 0 {
             let what = "a component is closed: each component of a part needs a boundary";
             let element = format!("part {i}");
