@@ -524,7 +524,7 @@ fn correspondence(
     let (start, step) = match known {
         Known::Points(points) => return Ok(points),
         Known::Pairs { landmarks, segments } => {
-            (fitted(args, (&landmarks, segments), all, &low)?, STEP)
+            (fitted(args, &landmarks, segments, all, &low)?, STEP)
         }
         Known::Nothing => {
             let found = searched(args, source, target)?;
@@ -555,7 +555,8 @@ fn correspondence(
 /// Returns the functional map between the eigenfunctions `low` that fits what is known.
 fn fitted(
     args: &Args,
-    (pairs, segments): (&[(u32, u32)], Option<[Vec<u32>; 2]>),
+    pairs: &[(u32, u32)],
+    segments: Option<[Vec<u32>; 2]>,
     all: (&Eigenbasis, &Eigenbasis),
     low: &(Eigenbasis, Eigenbasis),
 ) -> Result<Mat<f64>> {

@@ -74,7 +74,7 @@ mesh.compare((v, f)).out
 catamaran.ata(a, scheme="strasen")
 catamaran.decimate(mesh, 12, method="unifrm")
 catamaran.laplacian(v, f, kind="x")
-catamaran.decimate(mesh, "12")
+catamaran.count_below(mesh, "3")
 """
     script = tmp_path / "use.py"
     script.write_text(code)
