@@ -890,8 +890,8 @@ fn locked_vertices_and_the_edges_between_them_stay_on_every_family() {
         while path.len() < 20 {
             let end = path[path.len() - 1];
             let ends = edges.ends().iter().filter(|ends| ends.contains(&end));
-            let others = ends.map(|&[a, b]| if a == end { b } else { a });
-            let Some(next) = others.filter(|v| !path.contains(v)).last() else { break };
+            let mut others = ends.map(|&[a, b]| if a == end { b } else { a });
+            let Some(next) = others.rfind(|v| !path.contains(v)) else { break };
             path.push(next);
         }
         while path.len() < 35 {
