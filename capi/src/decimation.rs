@@ -131,11 +131,10 @@ pub unsafe extern "C" fn cata_decimation_new(
         let (input, place) = unsafe {
             (mesh(n_vertices, vertices, n_faces, faces)?, output("decimation", decimation)?)
         };
-        // SAFETY: clause `structs` (`params`).
-        let (found, par) = unsafe {
-            with_options(params, |options| Ok((decimate(&input, n, options)?, options.par)))
-        }?;
-        hand_over(place, cata_decimation { input, found, par });
+        // SAFETY: clause `passed on` (`decimated`).
+        let found =
+            unsafe { decimated(input, params, |input, options| decimate(input, n, options)) }?;
+        hand_over(place, found);
         Ok(())
     })
 }
@@ -166,13 +165,11 @@ pub unsafe extern "C" fn cata_decimation_new_within(
         let (input, place) = unsafe {
             (mesh(n_vertices, vertices, n_faces, faces)?, output("decimation", decimation)?)
         };
-        // SAFETY: clause `structs` (`params`).
-        let (found, par) = unsafe {
-            with_options(params, |options| {
-                Ok((decimate_within(&input, error, options)?, options.par))
-            })
+        // SAFETY: clause `passed on` (`decimated`).
+        let found = unsafe {
+            decimated(input, params, |input, options| decimate_within(input, error, options))
         }?;
-        hand_over(place, cata_decimation { input, found, par });
+        hand_over(place, found);
         Ok(())
     })
 }
@@ -507,6 +504,21 @@ pub unsafe extern "C" fn cata_decimation_farthest_points(
         fill_slice(distances, cells.distances());
         Ok(())
     })
+}
+
+/// Decimates a mesh by `work`, with the options of `params`.
+///
+/// # Safety
+/// As [`with_options`].
+unsafe fn decimated(
+    input: TriMesh,
+    params: *const cata_decimation_params,
+    work: impl FnOnce(&TriMesh, &DecimateOptions<'_>) -> catamaran::Result<Decimation>,
+) -> Result<cata_decimation, Failure> {
+    // SAFETY: clause `passed on` (`with_options`).
+    let (found, par) =
+        unsafe { with_options(params, |options| Ok((work(&input, options)?, options.par))) }?;
+    Ok(cata_decimation { input, found, par })
 }
 
 /// Returns what `work` returns for the options of the caller.

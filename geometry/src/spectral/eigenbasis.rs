@@ -91,6 +91,12 @@ impl Eigenbasis {
         &self.values
     }
 
+    /// Returns the eigenvalues of the mesh as if scaled to area 1, which have no unit.
+    pub(super) fn unit_values(&self) -> Result<Vec<f64>> {
+        let area = self.basis.area()?;
+        Ok(self.values.iter().map(|value| value * area).collect())
+    }
+
     /// Returns the functions, n x r; in units of 1 / length.
     pub fn functions(&self) -> MatRef<'_, f64> {
         self.basis.functions()

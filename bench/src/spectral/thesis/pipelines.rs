@@ -4,7 +4,7 @@ use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran::faer::{Mat, MatRef};
 use catamaran_geometry::spectral::functional_map::{
-    FoundMap, MapFit, map_from_points, pull_back, search_map, zoomout,
+    FoundMap, MapFit, commutativity, map_from_points, pull_back, search_map, zoomout,
 };
 use catamaran_geometry::spectral::{Eigenbasis, Transfer};
 
@@ -160,12 +160,5 @@ pub fn true_commutativity(pair: &Pair) -> Result<Option<f64>> {
     }
     let (source, target) = both(pair, 39)?;
     let c = map_from_points(&pair.truth, source.basis(), target.basis(), Par::all())?;
-    let (mut sum, mut size) = (0.0, 0.0);
-    for (j, x) in source.values().iter().enumerate() {
-        size += x * x;
-        for (i, y) in target.values().iter().enumerate() {
-            sum += (c[(i, j)] * (x - y)).powi(2);
-        }
-    }
-    Ok(Some(sum / size))
+    Ok(Some(commutativity(c.as_ref(), source.values(), target.values())))
 }

@@ -181,9 +181,7 @@ impl<'a> MapFit<'a> {
             return Ok(());
         }
         // Times in units of the area, the same on both meshes.
-        let area = self.source.basis().area()?;
-        let values: Vec<f64> = self.source.values().iter().map(|value| value * area).collect();
-        let times = heat_times(&values, SCALES)?;
+        let times = heat_times(&self.source.unit_values()?, SCALES)?;
         let kernels = |basis: &Eigenbasis, vertex: &dyn Fn(usize) -> u32| -> Result<Mat<f64>> {
             let area = basis.basis().area()?;
             Ok(Mat::from_fn(basis.len(), pairs.len() * times.len(), |i, column| {
@@ -208,13 +206,9 @@ impl<'a> MapFit<'a> {
     /// the source have two different positive values.
     pub fn signatures(&mut self, source: &Eigenbasis, target: &Eigenbasis) -> Result<()> {
         self.check_vertices(source, target)?;
-        let values = |basis: &Eigenbasis| -> Result<Vec<f64>> {
-            let area = basis.basis().area()?;
-            Ok(basis.values().iter().map(|value| value * area).collect())
-        };
-        let lengths = [values(source)?, values(target)?];
-        let times = heat_times(&lengths[0], SIGNATURES)?;
-        let scales = wave_scales(&lengths[0], SIGNATURES)?;
+        let values = [source.unit_values()?, target.unit_values()?];
+        let times = heat_times(&values[0], SIGNATURES)?;
+        let scales = wave_scales(&values[0], SIGNATURES)?;
         let signatures = |basis: &Eigenbasis, values: &[f64]| -> Result<[Mat<f64>; 2]> {
             // Their unit, 1 / area, does not matter, but a large one would overflow.
             let area = basis.basis().area()?;
@@ -222,8 +216,8 @@ impl<'a> MapFit<'a> {
             let wave = wave_kernel_signature(values, basis.functions(), &scales, self.par)?;
             Ok([heat, wave].map(|signature| Scale(area) * signature))
         };
-        let f = signatures(source, &lengths[0])?;
-        let g = signatures(target, &lengths[1])?;
+        let f = signatures(source, &values[0])?;
+        let g = signatures(target, &values[1])?;
         for (f, g) in f.iter().zip(&g) {
             self.functions(f.as_ref(), g.as_ref())?;
         }
@@ -461,11 +455,7 @@ impl RowEquations {
 
 /// Returns the eigenvalues of both bases, times the areas, divided by the largest.
 fn relative_values(source: &Eigenbasis, target: &Eigenbasis) -> Result<(Vec<f64>, Vec<f64>)> {
-    let scaled = |basis: &Eigenbasis| -> Result<Vec<f64>> {
-        let area = basis.basis().area()?;
-        Ok(basis.values().iter().map(|value| value * area).collect())
-    };
-    let (mut source, mut target) = (scaled(source)?, scaled(target)?);
+    let (mut source, mut target) = (source.unit_values()?, target.unit_values()?);
     let largest = source.iter().chain(&target).copied().fold(f64::MIN_POSITIVE, f64::max);
     source.iter_mut().chain(&mut target).for_each(|value| *value /= largest);
     Ok((source, target))

@@ -20,4 +20,4 @@ pub use fit::MapFit;
 pub use nearest::nearest_rows;
 pub use points::{map_from_points, points_from_map, pull_back};
 pub use refine::{Refined, icp, zoomout};
-pub use search::{FoundMap, search_map};
+pub use search::{FoundMap, commutativity, search_map};

@@ -58,8 +58,7 @@ const CLOSE: f64 = 1.1;
 pub struct FoundMap {
     /// The map, k x k, between the first k functions of both bases: at most 40.
     pub map: Mat<f64>,
-    /// How far the map is from commuting with the Laplacians: `|C L - L' C|^2 / |L|^2`, for meshes
-    /// of area 1.
+    /// How far the map is from commuting with the Laplacians ([`commutativity()`]).
     pub commutativity: f64,
     /// Whether the map keeps the orientation: the correlation, from -1 to 1, of `n . (grad f x grad
     /// g)` for pairs of functions on the target and their images.
@@ -160,7 +159,7 @@ pub fn search_map(
     let ratio = target.basis().area()? / source.basis().area()?;
     let search = Search {
         embedding: Embedding::new((source, &from), (target, &to), last)?,
-        values: [unit_values(source, last)?, unit_values(target, last)?],
+        values: [source.unit_values()?, target.unit_values()?],
         par,
     };
     let compared = COMPARED.min(last);
@@ -236,7 +235,7 @@ impl Search {
                 return Err(Error::Cancelled);
             }
             let (map, points) = self.embedding.zoom(starts[block.start].clone(), len, step)?;
-            let defect = self.defect(map.as_ref());
+            let defect = commutativity(map.as_ref(), &self.values[0], &self.values[1]);
             // The remaining blocks check the state of the tracker.
             let _ = tracker.add(1.0);
             Ok(Candidate { map, points, defect })
@@ -244,19 +243,28 @@ impl Search {
         tracker.finish()?;
         Ok(distinct(found.into_iter().collect::<Result<_>>()?))
     }
+}
 
-    /// Returns `|C L - L' C|^2 / |L|^2`.
-    fn defect(&self, c: MatRef<'_, f64>) -> f64 {
-        let [source, target] = &self.values;
-        let (mut sum, mut size) = (0.0, 0.0);
-        for j in 0..c.ncols() {
-            size += source[j] * source[j];
-            for i in 0..c.nrows() {
-                sum += (c[(i, j)] * (source[j] - target[i])).powi(2);
-            }
+/// Computes how far a functional map c (k' x k) is from commuting with the Laplacians:
+/// `|C L - L' C|^2 / |L|^2`, L and L' the first k and k' eigenvalues of source and target, each
+/// times the area of its mesh.
+///
+/// ```
+/// use catamaran_geometry::spectral::functional_map::commutativity;
+/// use faer::Mat;
+///
+/// let c = Mat::<f64>::identity(2, 2);
+/// assert_eq!(commutativity(c.as_ref(), &[0.0, 2.0], &[0.0, 3.0]), 0.25);
+/// ```
+pub fn commutativity(c: MatRef<'_, f64>, source: &[f64], target: &[f64]) -> f64 {
+    let (mut sum, mut size) = (0.0, 0.0);
+    for j in 0..c.ncols() {
+        size += source[j] * source[j];
+        for i in 0..c.nrows() {
+            sum += (c[(i, j)] * (source[j] - target[i])).powi(2);
         }
-        sum / size
     }
+    sum / size
 }
 
 /// Returns the best candidates in ascending order, without those whose points are those of a
@@ -337,12 +345,6 @@ fn by_signatures(
     let mut fit = MapFit::new(&few.0, &few.1, par);
     fit.signatures(source, target)?;
     Ok(of_unit_areas(&fit.solve(MapFit::COMMUTATIVITY)?, ratio))
-}
-
-/// Returns the first eigenvalues of a mesh as if of area 1.
-fn unit_values(basis: &Eigenbasis, len: usize) -> Result<Vec<f64>> {
-    let area = basis.basis().area()?;
-    Ok(basis.values()[..len].iter().map(|value| value * area).collect())
 }
 
 #[cfg(test)]
