@@ -148,7 +148,7 @@ fn lines_agree(a: &str, b: &str) -> bool {
 #[test]
 fn commands_print_what_the_guide_shows() {
     let guide = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/guide");
-    let mut count = 0;
+    let (mut count, mut wrong) = (0, String::new());
     for entry in fs::read_dir(guide).unwrap() {
         let path = entry.unwrap().path();
         if path.extension().is_none_or(|extension| extension != "md") {
@@ -163,13 +163,16 @@ fn commands_print_what_the_guide_shows() {
             let lines: Vec<&str> = text.lines().collect();
             let agrees = lines.len() == shown.len()
                 && lines.iter().zip(&shown).all(|(line, shown)| lines_agree(line, shown));
-            assert!(agrees, "{}: catamaran {call} prints\n{text}", path.display());
+            if !agrees {
+                wrong += &format!("{}: catamaran {call} prints\n{text}\n", path.display());
+            }
             // An error is there to be seen.
             let is_error = shown.iter().any(|line| line.starts_with("catamaran: "));
             assert_eq!(is_success, !is_error, "{}: catamaran {call}", path.display());
             count += 1;
         }
     }
+    assert!(wrong.is_empty(), "{wrong}");
     assert!(count > 10, "{count} commands");
 }
 

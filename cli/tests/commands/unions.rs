@@ -256,6 +256,14 @@ fn unions_with_spectra_in_between_begin_and_end_with_those_of_the_parts() {
     io::write(sphere, &families::icosphere(2).unwrap().into()).unwrap();
     let refused = folder.fail("unions predict a.off closed.off");
     assert!(refused.contains("closed.off: a component is closed"), "{refused}");
+    // The half ball has a boundary; the ball beside it has none.
+    let ball = families::icosphere(3).unwrap().into_parts().0;
+    let half = ball.iter().filter(|p| p[2] > 0.0).map(|p| [p[0] + 3.0, p[1], p[2]]);
+    let points: Vec<[f64; 3]> = ball.iter().copied().chain(half).collect();
+    let text: String = points.iter().map(|[x, y, z]| format!("{x} {y} {z}\n")).collect();
+    folder.write("cloud.off", format!("OFF\n{} 0 0\n{text}", points.len()));
+    let refused = folder.fail("unions predict a.off cloud.off");
+    assert!(refused.contains("cloud.off: a component of the points has no boundary"), "{refused}");
 }
 
 #[test]

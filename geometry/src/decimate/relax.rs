@@ -49,13 +49,14 @@ pub(super) fn relax(
         } else {
             make_delaunay(patch)?;
         }
-        move_vertices(surface, quadrics, patch, Aim::Regular, par)?;
+        let flat = if pass < lively { FLAT_AT_FIRST } else { FLAT };
+        move_vertices(surface, quadrics, patch, (Aim::Regular, flat), par)?;
     }
     if passes > 0 {
         make_delaunay(patch)?;
         let even = if uniform { EVEN_PASSES } else { 0 };
         for _ in 0..even {
-            move_vertices(surface, quadrics, patch, Aim::Even, par)?;
+            move_vertices(surface, quadrics, patch, (Aim::Even, FLAT), par)?;
         }
         fit(surface, patch, par)?;
     }
@@ -176,7 +177,7 @@ fn move_vertices(
     surface: &Surface<'_>,
     quadrics: &Quadrics<'_, '_>,
     patch: &mut Patch,
-    aim: Aim,
+    (aim, flat): (Aim, f64),
     par: Par,
 ) -> Result<()> {
     let vertices = patch.positions().len();
@@ -184,7 +185,7 @@ fn move_vertices(
     let moves = par.map_blocks_asking(vertices, BLOCK, operations, |range| {
         let found = range.map(|v| {
             let v = v as u32;
-            let found = target(surface, quadrics, patch, aim, v)?;
+            let found = target(surface, quadrics, patch, (aim, flat), v)?;
             let is_regular = |p| stays_regular(patch, v, p, EVEN_LEAST);
             (aim == Aim::Regular || is_regular(found.point)).then_some(found)
         });
@@ -194,12 +195,13 @@ fn move_vertices(
     Ok(())
 }
 
-/// Returns the new position of a vertex; `None` if it stays.
+/// Returns the new position of a vertex; `None` if it stays. Where the sum of normals is below the
+/// share `flat` of the sum of areas, the planes of the surface are searched for a crease.
 fn target(
     surface: &Surface<'_>,
     quadrics: &Quadrics<'_, '_>,
     patch: &Patch,
-    aim: Aim,
+    (aim, flat): (Aim, f64),
     v: u32,
 ) -> Option<Found> {
     let here = patch.position(v);
@@ -236,13 +238,16 @@ fn target(
     };
     let out = dot(step, normal);
     let p = std::array::from_fn(|k| here[k] + step[k] - out * normal[k]);
-    if norm(normals) >= FLAT * weight {
+    let bent = norm(normals);
+    if bent >= FLAT * weight {
         return on_surface(surface, anchor, p);
     }
     // Six equilateral triangles of side l have the area 3 sqrt(3) l^2 / 2, and `weight` is twice
     // that.
     let length = (weight / 27f64.sqrt()).sqrt();
-    let found = on_surface(surface, anchor, quadrics.sharpest(patch, v, p, length))?;
+    let is_sharp = bent < flat * weight;
+    let p = if is_sharp { quadrics.sharpest(patch, v, p, length) } else { p };
+    let found = on_surface(surface, anchor, p)?;
     let lost = norm(gap_of_move(patch, v, found.point, here));
     (lost <= MOVE_LOSS * length).then_some(found)
 }
@@ -269,6 +274,10 @@ fn even_target(patch: &Patch, v: u32, here: Vector) -> Vector {
 
 /// Ratio of the sum of normals to the sum of areas below which moving a vertex may lose detail.
 const FLAT: f64 = 0.95;
+
+/// The same ratio in the passes before the mesh settles, below which a vertex moves to a crease: at
+/// a slight crease it finds its place in the last passes.
+const FLAT_AT_FIRST: f64 = 0.8;
 
 /// Largest distance of the faces from the old position of a moved vertex, relative to the length of
 /// its edges.

@@ -15,11 +15,35 @@ pub const FORMATS: Generated = Generated {
 const INTRODUCTION: &str = "\
 # Formats of mesh files
 
-Written by `cargo xtask options` from the table in geometry/src/mesh/io/formats.rs. Every command
-and every function that takes a mesh file reads all of these formats, also with `.gz`, `.xz`, `.bz2`
-or `.zip` (of one file) after the ending, or `.zst` where the feature `columnar` is built in, as in
-the command line and in Python. They write those that are not marked \"read only\", also with `.gz`.
-The content of a file decides its format; the ending is a hint.
+`catamaran mesh` describes a file and converts it:
+
+```console
+$ catamaran generate torus 20 12 2 0.8 -o torus.ply
+written     torus.ply: 240 vertices, 480 faces
+$ catamaran mesh torus.ply -o torus.stl
+mesh        torus.ply, read in 225.3 us
+vertices    240
+edges       720, 0 on the boundary
+faces       480
+components  1
+loops       0
+Euler       0
+genus       1
+problems    none
+area        61.80766652444585
+volume      23.732505167995985
+box         [-2.8, -2.8, -0.8] to [2.8, 2.8, 0.8]
+intersect   0 faces with others
+quality     0.655 mean, 0.573 least, 0.00 % below 0.1 (1: equilateral)
+note: torus.stl: rounded coordinates to single precision: vertices move by up to 1.2e-7 (vertex 239), 2.1e-8 of the longest side of the mesh
+written     torus.stl: 240 vertices, 480 faces
+```
+
+Every command and every function that takes a mesh file reads all of these formats, also with `.gz`,
+`.xz`, `.bz2` or `.zip` (of one file) after the ending, or `.zst` where the feature `columnar` is
+built in, as in the command line and in Python. They write those that are not marked \"read only\",
+also with `.gz`. The content of a file decides its format; the ending is a hint. (This page is
+written by `cargo xtask options` from the table in geometry/src/mesh/io/formats.rs.)
 
 | Format | Endings | Coordinates | Beside positions and faces |
 |---|---|---|---|
