@@ -318,20 +318,30 @@ impl<T: catamaran::Real> Distributed<'_, T> {
 /// Sets the threads of the BLAS that the library resolved to; returns the version that it reports.
 fn blas(library: &Library, threads: usize) -> Result<String> {
     type Text = unsafe extern "C" fn() -> *const c_char;
+    type WriteText = unsafe extern "C" fn(*mut c_char, c_int);
     type SetThreads = unsafe extern "C" fn(c_int);
-    // SAFETY: OpenBLAS documents these signatures; the text is static.
+    let text;
+    // SAFETY: OpenBLAS and MKL document these signatures. The text of OpenBLAS is static, MKL pads
+    // the buffer with blanks and leaves its last byte, which stays zero, alone.
     unsafe {
-        let Ok(config) = symbol::<Text>(library, "openblas_get_config") else {
-            let text = "over a BLAS that is not OpenBLAS: the race may not be fair";
+        if let Ok(config) = symbol::<Text>(library, "openblas_get_config") {
+            symbol::<SetThreads>(library, "openblas_set_num_threads")?(threads as c_int);
+            text = CStr::from_ptr(config()).to_string_lossy().trim().to_owned();
+        } else if let Ok(write) = symbol::<WriteText>(library, "MKL_Get_Version_String") {
+            symbol::<SetThreads>(library, "MKL_Set_Num_Threads")?(threads as c_int);
+            let mut buffer = [0_u8; 256];
+            write(buffer.as_mut_ptr().cast(), buffer.len() as c_int - 1);
+            text = CStr::from_bytes_until_nul(&buffer)?.to_string_lossy().trim().to_owned();
+        } else {
+            let text = "over a BLAS that is neither OpenBLAS nor MKL: the race may not be fair";
             return if threads == 1 {
                 Ok(text.into())
             } else {
                 Err(format!("{text}, threads unknown").into())
             };
-        };
-        symbol::<SetThreads>(library, "openblas_set_num_threads")?(threads as c_int);
-        Ok(format!("over {}", CStr::from_ptr(config()).to_string_lossy().trim()))
+        }
     }
+    Ok(format!("over {text}"))
 }
 
 /// Returns the symbol `name` of the library or of its dependencies.
