@@ -23,7 +23,7 @@ pub struct Arguments {
     )]
     sizes: Vec<Shape>,
     /// What computes our leaves: native, or what a rival may be.
-    #[arg(long, value_delimiter = ',', default_value = "mkl")]
+    #[arg(long, value_delimiter = ',', default_value = "native")]
     backend: Vec<String>,
     /// Our schemes.
     #[arg(long, value_delimiter = ',', default_value = "auto")]
