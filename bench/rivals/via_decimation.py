@@ -30,8 +30,8 @@ def landmarks(points):
     return chosen
 
 
-def measure(program, cells, how, folder):
-    """The vertices, the seconds, and the error of each coordinate in per cent."""
+def prepare(program, cells, folder):
+    """The points of the first pose, and the arguments of `transfer` that name the files."""
     meshes = [str(folder / f"{cells}-{pose}.obj") for pose in (0.1, 0.9)]
     for path, pose in zip(meshes, ("0.1", "0.9")):
         subprocess.run(
@@ -39,28 +39,34 @@ def measure(program, cells, how, folder):
         )
     with open(meshes[0]) as file:
         points = np.array([line.split()[1:4] for line in file if line.startswith("v ")], float)
-    functions, pairs, output = (str(folder / name) for name in ("f.csv", "pairs.csv", "g.npy"))
+    functions, pairs = (str(folder / name) for name in ("f.csv", "pairs.csv"))
     np.savetxt(functions, points, delimiter=",", fmt="%.17g")
     np.savetxt(pairs, np.array([landmarks(points)] * 2).T, delimiter=",", fmt="%d")
-    call = [program, "transfer", *meshes, "--functions", functions, "--landmarks", pairs]
-    call += ["--zoom", "50", "-o", output, "--force", "--quiet"]
+    return points, [*meshes, "--functions", functions, "--landmarks", pairs]
+
+
+def measure(program, points, arguments, how, folder):
+    """The seconds, and the error of each coordinate in per cent."""
+    output = str(folder / "g.npy")
+    call = [program, "transfer", *arguments, "--zoom", "50", "-o", output, "--force", "--quiet"]
     call += [] if how == "full" else ["--via-decimation", how]
     start = time.perf_counter()
     subprocess.run(call, check=True)
     seconds = time.perf_counter() - start
-    norms = np.linalg.norm(points, axis=0)
-    error = 100 * np.linalg.norm(np.load(output) - points, axis=0) / norms
-    return len(points), seconds, error
+    error = np.linalg.norm(np.load(output) - points, axis=0)
+    return seconds, 100 * error / np.linalg.norm(points, axis=0)
 
 
 def main(program, cells, hows):
     print("| vertices | through | seconds | x | y | z | mean |\n|---|---|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as folder:
+        folder = Path(folder)
         for count in cells.split(","):
+            points, arguments = prepare(program, count, folder)
             for how in hows.split(","):
-                vertices, seconds, error = measure(program, count, how, Path(folder))
+                seconds, error = measure(program, points, arguments, how, folder)
                 errors = " | ".join(f"{e:.2f}" for e in (*error, error.mean()))
-                print(f"| {vertices} | {how} | {seconds:.1f} | {errors} |", flush=True)
+                print(f"| {len(points)} | {how} | {seconds:.1f} | {errors} |", flush=True)
 
 
 if __name__ == "__main__":
