@@ -1,5 +1,6 @@
 //! A mesh with its first eigenfunctions, for several subcommands.
 
+use std::fmt::Display;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
@@ -149,6 +150,29 @@ impl LaplacianArgs {
         self.prepare(path, needs)?.solve()
     }
 
+    /// Adds to an error of the eigensolver the name of the mesh and, if pairs did not reach the
+    /// residual `tolerance`, what may help.
+    pub fn unsolved(
+        &self,
+        error: catamaran::Error,
+        name: &dyn Display,
+        tolerance: f64,
+        shift: Option<f64>,
+    ) -> anyhow::Error {
+        let context = match error {
+            catamaran::Error::NotConverged { .. } => {
+                let near = shift.map_or(String::new(), |shift| format!(" near --shift {shift:e}"));
+                let help = match (self.laplacian, shift) {
+                    (Kind::Cotan, None) => " (long thin triangles need --laplacian intrinsic)",
+                    _ => "",
+                };
+                format!("{name}: residuals of {tolerance:e} were not reached{near}{help}")
+            }
+            _ => name.to_string(),
+        };
+        anyhow::Error::from(error).context(context)
+    }
+
     /// Reads a mesh, and refuses one that does not have the eigenfunctions that `needs` says.
     pub fn prepare<'a>(&'a self, path: &'a Path, needs: &[Need]) -> Result<Prepared<'a>> {
         self.prepare_file(self.repair.read(path)?, path, needs)
@@ -204,13 +228,13 @@ impl Prepared<'_> {
     /// Computes the eigenfunctions.
     pub fn solve(self) -> Result<Shape> {
         let (vertices, par) = (self.vertices(), self.options.par());
-        let Self { file, path, operator, len, .. } = self;
+        let Self { file, path, operator, len, options: of, .. } = self;
         let named = || path.display().to_string();
         let bar = Bar::new("spectrum");
         let update = |fraction| bar.update(fraction);
         let options = EigenOptions::new().k(len).par(par).progress(&update);
-        let pairs =
-            eigs(operator.stiffness.view(), &operator.mass, &options).with_context(named)?;
+        let pairs = eigs(operator.stiffness.view(), &operator.mass, &options)
+            .map_err(|error| of.unsolved(error, &path.display(), options.tolerance, None))?;
         drop(bar);
         let worst = pairs.residuals.iter().copied().fold(0.0, f64::max);
         let eigenbasis =

@@ -244,16 +244,7 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
         }
     };
     let found = found.map_err(|error| {
-        let name = args.input.display();
-        let context = match error {
-            catamaran::Error::NotConverged { .. } => {
-                let near =
-                    args.shift.map_or(String::new(), |shift| format!(" near --shift {shift:e}"));
-                format!("{name}: residuals of {tolerance:e} were not reached{near}")
-            }
-            _ => name.to_string(),
-        };
-        anyhow::Error::from(error).context(context)
+        args.laplacian.unsolved(error, &args.input.display(), tolerance, args.shift)
     });
     ranks.meet(found)?;
     drop(bar);

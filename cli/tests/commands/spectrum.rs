@@ -1,5 +1,7 @@
 //! `catamaran spectrum`, from outside.
 
+use std::path::Path;
+
 use crate::common::Folder;
 
 #[cfg(feature = "hdf5")]
@@ -126,6 +128,24 @@ fn options_change_the_problem() {
     for option in kinds.into_iter().chain(["--mass full", "--shift 7"]) {
         let said = folder.succeed(&format!("spectrum square.obj -k 2 {option}"));
         assert!(said.contains("eigenpairs  2 in "), "{said}");
+    }
+}
+
+#[test]
+fn slivers_whose_eigenpairs_are_inexact_need_the_intrinsic_laplacian() {
+    let Some(data) = std::env::var_os("CATAMARAN_DATA") else { return };
+    let slivers = Path::new(&data).join("meshes/adis16480_slivers.stl.gz");
+    if !slivers.exists() {
+        return;
+    }
+    let (folder, slivers) = (Folder::new(), slivers.display());
+    for command in [
+        format!("spectrum {slivers} -k 100 -o s.npz"),
+        format!("transfer {slivers} {slivers} --identity --details coordinates -k 99 -o t.ply"),
+    ] {
+        let said = folder.fail(&command);
+        assert!(said.contains("residuals of 1e-9 were not reached (long thin tri"), "{said}");
+        folder.succeed(&format!("{command} --laplacian intrinsic"));
     }
 }
 

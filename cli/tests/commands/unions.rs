@@ -263,7 +263,7 @@ fn unions_with_spectra_in_between_begin_and_end_with_those_of_the_parts() {
     let text: String = points.iter().map(|[x, y, z]| format!("{x} {y} {z}\n")).collect();
     folder.write("cloud.off", format!("OFF\n{} 0 0\n{text}", points.len()));
     let refused = folder.fail("unions predict a.off cloud.off");
-    assert!(refused.contains("cloud.off: a component of the points has no boundary"), "{refused}");
+    assert!(refused.contains("cloud.off: points: a component has no boundary"), "{refused}");
 }
 
 #[test]

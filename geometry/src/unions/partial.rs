@@ -10,6 +10,10 @@ use catamaran::sparse::{EigenOptions, eigs};
 /// Residual of eigenpairs; the relative error of eigenvalues is about its square.
 const TOLERANCE: f64 = 1e-4;
 
+/// First eigenvalue times the area, below which a component of points has no boundary; a disk has
+/// 18, and a sphere with a tiny hole about 6 / ln(1 / its relative size).
+const FREE: f64 = 1e-6;
+
 /// Computes the spectra of parts of one surface, whose Laplacian is assembled once.
 ///
 /// A part is a mask: for each vertex, whether it belongs to the part. The faces of the part are
@@ -152,10 +156,18 @@ impl<'m> PartSpectra<'m> {
 /// ```
 ///
 /// # Errors
-/// As [`cloud_laplacian`] and [`eigs`]; [`Error::Argument`] when fewer than k points are inside.
+/// As [`cloud_laplacian`] and [`eigs`]; [`Error::Argument`] when fewer than k points are inside, or
+/// when a component of the points has no boundary that can be seen.
 pub fn cloud_spectrum(points: &[[f64; 3]], k: usize, options: &CloudOptions) -> Result<Vec<f64>> {
     let operator = cloud_laplacian(points, &options.clone().boundary(Boundary::Dirichlet))?;
-    eigenvalues(&operator, k, options.par, Progress::none())
+    let values = eigenvalues(&operator, k, options.par, Progress::none())?;
+    let area: f64 = (0..operator.mass.len()).map(|i| operator.mass.diagonal(i)).sum();
+    if values.first().is_some_and(|first| first * area < FREE) {
+        let why = "a component has no boundary that can be seen: each component of a part needs \
+                   one, wider than two spacings of the points";
+        return Err(Error::Argument { what: "points", why: why.into() });
+    }
+    Ok(values)
 }
 
 fn eigenvalues(

@@ -2,7 +2,7 @@ use std::f64::consts::PI;
 
 use super::*;
 use crate::mesh::families::{disk, figure, grid, icosphere};
-use crate::mesh::{Boundary, LaplacianKind, LaplacianOptions, MassKind, TriMesh};
+use crate::mesh::{Boundary, CloudOptions, LaplacianKind, LaplacianOptions, MassKind, TriMesh};
 use catamaran::base::{Error, Par};
 
 fn spectra(mesh: &TriMesh) -> PartSpectra<'_> {
@@ -179,6 +179,21 @@ fn parts_without_enough_inside_are_refused() {
     assert!(matches!(parts.neumann(&nothing, 1).unwrap_err(), Error::Argument { what: "k", .. }));
     let all = vec![true; mesh.vertices().len()];
     assert!(parts.dirichlet(&all, 1).unwrap()[0].abs() < 1e-9);
+}
+
+#[test]
+fn clouds_with_a_component_without_boundary_are_refused() {
+    let ball = icosphere(3).unwrap().into_parts().0;
+    let half = ball.iter().filter(|p| p[2] > 0.0).map(|p| [p[0] + 3.0, p[1], p[2]]);
+    let cap: Vec<[f64; 3]> = half.clone().collect();
+    assert!(cloud_spectrum(&cap, 1, &CloudOptions::new()).unwrap()[0] > 1.0);
+    let both: Vec<[f64; 3]> = ball.iter().copied().chain(half).collect();
+    for points in [ball, both] {
+        for k in [1, 5] {
+            let refused = cloud_spectrum(&points, k, &CloudOptions::new()).unwrap_err();
+            assert!(matches!(refused, Error::Argument { what: "points", .. }), "{refused}");
+        }
+    }
 }
 
 #[test]

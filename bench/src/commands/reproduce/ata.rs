@@ -61,10 +61,11 @@ pub fn run(report: &mut Report, share: Share, arguments: &Arguments) -> Result<(
          the largest norms of columns; memory is that of C and of what the contender needs besides, in MB.\n",
     );
     let square = |n| Shape { m: n, n };
-    let (side, most) = (arguments.side.unwrap_or(SIDE), arguments.side.unwrap_or(usize::MAX));
+    let side = arguments.side.unwrap_or(SIDE);
+    let is_wanted = |shape: &Shape| arguments.side.is_none_or(|side| shape.n == side);
     if share != Share::Threads {
         let shapes: Vec<_> = match share {
-            Share::Squares => SQUARES.into_iter().filter(|&n| n <= most).map(square).collect(),
+            Share::Squares => SQUARES.into_iter().map(square).filter(is_wanted).collect(),
             _ => (1..=side / STEP).map(|i| square(i * STEP)).collect(),
         };
         let figure = Figure { name: "8.3", operation: Operation::Syrk, scheme: "ata2".into() };
@@ -87,7 +88,7 @@ pub fn run(report: &mut Report, share: Share, arguments: &Arguments) -> Result<(
         };
         let third = side / 3;
         let shapes = match share {
-            Share::Threads => THREADED.into_iter().filter(|shape| shape.n <= most).collect(),
+            Share::Threads => THREADED.into_iter().filter(is_wanted).collect(),
             // The aspect of 60K x 5K.
             _ => vec![square(side), Shape { m: 12 * third, n: third }],
         };
