@@ -1,16 +1,18 @@
-/* Catamaran: A^T A and what stands on it, at scale. The C interface.
+/* Catamaran: A^T A, spectra and geometry at scale. The C interface.
  *
  * Generated from capi/src by `cargo xtask header`: do not edit. MIT OR Apache-2.0.
  *
  * Conventions
  * - Names: cata_<chapter>_<what>; _f64 and _f32 (_c64 and _c32: complex) where there are several
  *   scalars.
- * - Results: a function that can fail returns a cata_status, CATA_OK (0) or why not, and
- *   cata_last_error_message says more. Unless said otherwise outputs are untouched then. Functions
- *   that need what this build does not have return CATA_ERR_UNSUPPORTED (cata_capabilities).
+ * - Results: a function that can fail returns a cata_status: CATA_OK (0), or the kind of error,
+ *   which cata_last_error_message explains. After an error outputs are untouched, unless the
+ *   function says otherwise. Functions that need a capability that this build lacks return
+ *   CATA_ERR_UNSUPPORTED (cata_capabilities).
  * - Sizes are size_t, any, 0 included, and numbers of elements, never bytes.
- * - Pointers may not be NULL unless said so, or there is no element to point to. They are not kept
- *   after the call. An output that overlaps another one or an input is CATA_ERR_ARGUMENT.
+ * - Pointers may be NULL only where the function says so, or where there is no element to point to.
+ *   They are not kept after the call. An output that overlaps another one or an input is
+ *   CATA_ERR_ARGUMENT.
  * - Matrices: `layout` is CATA_ROW_MAJOR or CATA_COL_MAJOR, for all matrices of a call. m x n
  *   elements at `a` are m rows (n columns) of n (m) elements, each `lda` >= max(1, n) (max(1, m))
  *   elements after the one before. What lies between is neither read nor written.
@@ -745,12 +747,12 @@ typedef struct cata_accumulator_params {
     /** Progress callback of each call that adds or removes rows; NULL: none. */
     cata_progress progress;
     void *progress_user; /**< Passed to `progress`. */
-    /** Unless CATA_SUMS_FLOAT: n numbers, read: no entry of a column is less. */
+    /** n elements, read unless CATA_SUMS_FLOAT: a lower bound of the entries of each column. */
     const double *lower;
-    /** Unless CATA_SUMS_FLOAT: n numbers, read: no entry of a column is more. */
+    /** n elements, read unless CATA_SUMS_FLOAT: an upper bound of the entries of each column. */
     const double *upper;
-    uint64_t rows; /**< Unless CATA_SUMS_FLOAT: rows, at most. */
-    /** Unless CATA_SUMS_FLOAT: weights, at most; 0: rows have no weights. */
+    uint64_t rows; /**< The most rows that are added, unless CATA_SUMS_FLOAT. */
+    /** The largest weight of a row, unless CATA_SUMS_FLOAT; 0: rows have no weights. */
     double largest_weight;
     int32_t sums; /**< CATA_SUMS_*. */
     int32_t centered; /**< 1: about the mean of the rows. 0: about 0. */

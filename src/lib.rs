@@ -34,7 +34,7 @@
 //! | [`solve`] | least squares, principal components, singular values, in extended precision |
 //! | [`sparse`] | Cholesky factorizations and eigenpairs of sparse matrices |
 //! | [`ortho`] | Gram-Schmidt, Cholesky QR, rank-revealing bases |
-//! | [`io`] | matrix files: `.npy`, `.npz`, `.mtx`, text tables, HDF5 |
+//! | [`io`] | matrix files: `.npy`, `.npz`, `.mtx`, text tables, Parquet, Arrow, HDF5 |
 //! | [`ranks`] | the same over many machines: plans, and their execution (feature `mpi`) |
 //!
 //! Meshes, spectra of surfaces, decimation and curves are in the crate `catamaran-geometry`, plants
@@ -42,13 +42,14 @@
 //!
 //! # Features
 //!
-//! None is on by default; each needs a library of the system.
+//! None is on by default. All but `columnar` need a library of the system.
 //!
 //! | Feature | Adds |
 //! |---|---|
 //! | `openblas` | OpenBLAS, linked at build time (`blas::openblas`) |
 //! | `mpi` | the execution in [`ranks`], over the MPI of the system |
 //! | `hdf5` | rows and arrays in HDF5 files |
+//! | `columnar` | tables in Parquet and Arrow files, and files packed by Zstandard |
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 

@@ -62,7 +62,7 @@ fn of_windows(seconds: impl Fn(&dyn Fn() -> f64) -> f64) -> Peak {
             return peak("avx512f", x86::FLOPS_AVX512, &|| unsafe { x86::avx512(PASSES) });
         }
         if has("avx2") && has("fma") {
-            // SAFETY: the CPU has the instructions.
+            // SAFETY: the CPU has the instructions that `cpu_features` names.
             return peak("avx2", x86::FLOPS_AVX2, &|| unsafe { x86::avx2(PASSES) });
         }
     }

@@ -36,13 +36,13 @@ pub struct cata_accumulator_params {
     pub progress: cata_progress,
     /// Passed to `progress`.
     pub progress_user: *mut c_void,
-    /// Unless CATA_SUMS_FLOAT: n numbers, read: no entry of a column is less.
+    /// n elements, read unless CATA_SUMS_FLOAT: a lower bound of the entries of each column.
     pub lower: *const f64,
-    /// Unless CATA_SUMS_FLOAT: n numbers, read: no entry of a column is more.
+    /// n elements, read unless CATA_SUMS_FLOAT: an upper bound of the entries of each column.
     pub upper: *const f64,
-    /// Unless CATA_SUMS_FLOAT: rows, at most.
+    /// The most rows that are added, unless CATA_SUMS_FLOAT.
     pub rows: u64,
-    /// Unless CATA_SUMS_FLOAT: weights, at most; 0: rows have no weights.
+    /// The largest weight of a row, unless CATA_SUMS_FLOAT; 0: rows have no weights.
     pub largest_weight: f64,
     /// CATA_SUMS_*.
     pub sums: i32,

@@ -47,7 +47,7 @@ fn parameters_of_zeros_are_the_defaults_of_the_library() {
         ata_params::with_options(&zeros::<ata_params::cata_ata_params>(), default.uplo, compare)
     });
 
-    // SAFETY: as above.
+    // SAFETY: the struct is a live one of this version.
     let found = unsafe {
         eigs::with_eigen_options(100, &zeros::<eigs::cata_eigs_params>(), |eigen, laplacian| {
             Ok((printed(eigen), printed(laplacian)))
@@ -56,7 +56,7 @@ fn parameters_of_zeros_are_the_defaults_of_the_library() {
     let default = LaplacianOptions::default();
     assert_eq!(done(found), (printed(&EigenOptions::default()), printed(&default)));
 
-    // SAFETY: as above.
+    // SAFETY: the struct is a live one of this version.
     let found = unsafe {
         ortho::with_ortho_options(&zeros::<ortho::cata_ortho_params>(), |options, _| {
             Ok(printed(options))
@@ -64,7 +64,7 @@ fn parameters_of_zeros_are_the_defaults_of_the_library() {
     };
     assert_eq!(done(found), printed(&GramSchmidtOptions::default()));
 
-    // SAFETY: as above.
+    // SAFETY: the struct is a live one of this version.
     let found = unsafe {
         decimation::with_options(&zeros::<decimation::cata_decimation_params>(), |options| {
             Ok(printed(options))

@@ -37,7 +37,7 @@ pub struct Args {
     #[arg(value_name = "MESH", help = crate::input::mesh_help("The mesh"))]
     mesh: PathBuf,
     /// Points that distances are measured from, separated by commas: vertices, such as 0,7, or
-    /// others, such as '310 0.2 0.3 0.5'.
+    /// others, whose numbers are separated by blanks, such as '310 0.2 0.3 0.5' or '0.3 1.2 -0.4'.
     #[arg(
         long,
         value_name = "POINT,...",

@@ -30,7 +30,7 @@ use crate::tables::TableArgs;
 /// Returns the help of --output.
 fn output_help() -> String {
     let formats = meshes::MeshFormat::writable();
-    format!("Output file: the mesh ({formats}), or the functions (.npy, .csv, ...)")
+    format!("Output file: the mesh ({formats}), or with --functions a table (.npy, .csv, ...)")
 }
 
 /// Frequencies up to this share of the highest count as zero: rounding leaves those of constants

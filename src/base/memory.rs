@@ -160,7 +160,7 @@ mod system {
         let limit = limit.filter(|&limit| limit != libc::RLIM_INFINITY)?;
         let text = read_to_string("/proc/self/statm").ok()?;
         let pages: u64 = text.split_whitespace().next()?.parse().ok()?;
-        // SAFETY: the call only returns a number.
+        // SAFETY: `sysconf` takes no pointer, and any name is allowed.
         let page = unsafe { libc::sysconf(libc::_SC_PAGESIZE) };
         Some(limit.saturating_sub(pages.saturating_mul(page.unsigned_abs())))
     }

@@ -392,7 +392,7 @@ mod tests {
     /// Returns the number of pages of `memory` that have been touched.
     #[cfg(target_os = "linux")]
     fn touched(memory: &[f64]) -> usize {
-        // SAFETY: the call only returns a number.
+        // SAFETY: `sysconf` takes no pointer, and any name is allowed.
         let page = unsafe { libc::sysconf(libc::_SC_PAGESIZE) } as usize;
         let mut pages = vec![0_u8; size_of_val(memory).div_ceil(page)];
         // SAFETY: mapped memory from a page's beginning on, and a byte for each of its pages.

@@ -113,7 +113,7 @@ fn threads_held_by_overlapping_calls_are_put_back_after_the_last() {
     let backend = blas::openblas();
     // SAFETY: the documented functions of OpenBLAS.
     let threads = || unsafe { openblas_get_num_threads() };
-    // SAFETY: as above.
+    // SAFETY: a documented function of OpenBLAS, which takes any count.
     unsafe { openblas_set_num_threads(2) };
     let before = threads();
     let first = backend.single_threaded();

@@ -88,8 +88,9 @@ pub struct Args {
         value_parser = parse::scheme()
     )]
     scheme: SchemeChoice,
-    /// Accuracy: max (the exact path), classical, default, fast, or a bound on the error as a
-    /// factor (at least 1) of the error of the classical algorithm.
+    /// Accuracy: max (the exact path, if --scheme is auto or exact; otherwise as classical),
+    /// classical, default, fast, or a bound on the error as a factor (at least 1) of the error of
+    /// the classical algorithm.
     #[arg(
         long,
         value_name = "ACCURACY",

@@ -62,7 +62,7 @@ pub fn parse(text: &str, name: &str) -> Result<Samples> {
                 let site = site(&words).with_context(|| {
                     format!(
                         "{}: neither a vertex, nor a face and three barycentric coordinates, nor a \
-                         point x y z, nor `curve NAME`",
+                         point x y z (numbers between blanks), nor `curve NAME`",
                         place()
                     )
                 })?;

@@ -92,7 +92,8 @@ pub struct Args {
     normalize: Option<Size>,
     #[command(flatten)]
     picture: PictureArgs,
-    /// Fail if the mesh has a problem after the requested repairs.
+    /// Fail if the mesh has a problem after the requested repairs. A boundary, such as that of a
+    /// hole, is no problem.
     #[arg(long)]
     check: bool,
     #[command(flatten)]

@@ -122,8 +122,9 @@ pub struct Args {
         value_parser = material::parser(),
         help = stated(
             "Write albedo.png, roughness.png, metalness.png, height.png and normal.png, and \
-             material.glb, the mesh with these textures, for glTF viewers. LOOK is strands, \
-             marble, gold, wood, engraved or lava (which also writes glow.png)",
+             material.glb, the mesh with these textures, for glTF viewers. LOOK, after \
+             an equals sign, is strands, marble, gold, wood, engraved or lava (which also writes \
+             glow.png)",
             format_args!("that of --config, or {}", material::usual())
         )
     )]

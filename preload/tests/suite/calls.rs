@@ -210,7 +210,7 @@ impl<T: Scalar, I: Copy> Syrk<T, I> {
         );
         let Self { sides: [n, k], factors: [alpha, beta], a, c, .. } = self;
         let (uplo, trans) = (letter(self.part), letter_trans(self.trans));
-        // SAFETY: by the contract of this function.
+        // SAFETY: `f` is the routine of this type, and the sides are those of the matrices.
         unsafe {
             let f = std::mem::transmute::<*mut c_void, F<T::Real, T, I>>(f);
             f(&uplo, &trans, n, k, alpha, a.data, &a.leading, beta, c.data, &c.leading);
@@ -224,7 +224,7 @@ impl<T: Scalar, I: Copy> Syrk<T, I> {
         let Self { sides: [n, k], factors: [alpha, beta], ref a, ref c, .. } = *self;
         let (order, uplo) = (order(self.by_rows), number(self.part));
         let trans = number_trans(self.trans);
-        // SAFETY: by the contract of this function.
+        // SAFETY: `f` is the routine of this type, and the sides are those of the matrices.
         unsafe {
             let f = std::mem::transmute::<*mut c_void, F<T::Real, T, I>>(f);
             f(order, uplo, trans, n, k, alpha, a.data, a.leading, beta, c.data, c.leading);
@@ -272,7 +272,7 @@ impl<T: Scalar, I: Copy> Gemm<T, I> {
         let Self { sides: [m, n, k], factors: [alpha, beta], a, b, c, .. } = self;
         let (lda, ldb, ldc) = (&a.leading, &b.leading, &c.leading);
         let [ta, tb] = self.trans.map(letter_trans);
-        // SAFETY: by the contract of this function.
+        // SAFETY: `f` is the routine of this type, and the sides are those of the matrices.
         unsafe {
             let f = std::mem::transmute::<*mut c_void, F<T, I>>(f);
             f(&ta, &tb, m, n, k, alpha, a.data, lda, b.data, ldb, beta, c.data, ldc, 1, 1);
@@ -304,7 +304,7 @@ impl<T: Scalar, I: Copy> Gemm<T, I> {
         let Self { sides: [_, n, k], factors: [alpha, beta], a, b, c, .. } = self;
         let (lda, ldb, ldc) = (&a.leading, &b.leading, &c.leading);
         let (uplo, [ta, tb]) = (letter(self.part), self.trans.map(letter_trans));
-        // SAFETY: by the contract of this function.
+        // SAFETY: `f` is the routine of this type, and the sides are those of the matrices.
         unsafe {
             let f = std::mem::transmute::<*mut c_void, F<T, I>>(f);
             f(&uplo, &ta, &tb, n, k, alpha, a.data, lda, b.data, ldb, beta, c.data, ldc, 1, 1, 1);
@@ -334,7 +334,7 @@ impl<T: Scalar, I: Copy> Gemm<T, I> {
         let Self { sides: [m, n, k], factors: [alpha, beta], a, b, c, .. } = self;
         let (lda, ldb, ldc) = (a.leading, b.leading, c.leading);
         let (order, [ta, tb]) = (order(self.by_rows), self.trans.map(number_trans));
-        // SAFETY: by the contract of this function.
+        // SAFETY: `f` is the routine of this type, and the sides are those of the matrices.
         unsafe {
             let f = std::mem::transmute::<*mut c_void, F<T, I>>(f);
             f(order, ta, tb, *m, *n, *k, alpha, a.data, lda, b.data, ldb, beta, c.data, ldc);
@@ -350,7 +350,7 @@ impl<T: Scalar, I: Copy> Gemm<T, I> {
         let Self { sides: [m, n, k], factors: [alpha, beta], a, b, c, .. } = self;
         let (lda, ldb, ldc) = (a.leading, b.leading, c.leading);
         let (order, [ta, tb]) = (order(self.by_rows), self.trans.map(number_trans));
-        // SAFETY: by the contract of this function.
+        // SAFETY: `f` is the routine of this type, and the sides are those of the matrices.
         unsafe {
             let f = std::mem::transmute::<*mut c_void, F<T, I>>(f);
             f(order, ta, tb, *m, *n, *k, *alpha, a.data, lda, b.data, ldb, *beta, c.data, ldc);
@@ -381,7 +381,7 @@ impl<T: Scalar, I: Copy> Gemm<T, I> {
         let (lda, ldb, ldc) = (a.leading, b.leading, c.leading);
         let (order, uplo) = (order(self.by_rows), number(self.part));
         let [ta, tb] = self.trans.map(number_trans);
-        // SAFETY: by the contract of this function.
+        // SAFETY: `f` is the routine of this type, and the sides are those of the matrices.
         unsafe {
             let f = std::mem::transmute::<*mut c_void, F<T, I>>(f);
             f(order, uplo, ta, tb, *n, *k, *alpha, a.data, lda, b.data, ldb, *beta, c.data, ldc);

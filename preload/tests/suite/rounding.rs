@@ -29,7 +29,7 @@ fn set(mode: c_int) {
 }
 
 fn is(mode: c_int) -> bool {
-    // SAFETY: as above.
+    // SAFETY: `fegetround` of C reads the mode of this thread, and nothing else.
     unsafe { fegetround() == mode }
 }
 

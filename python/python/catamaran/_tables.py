@@ -87,8 +87,8 @@ def read(
     """Read a matrix from a text table, .npy or MatrixMarket, each also packed (.gz, .xz,
     .bz2, .zst, .zip), or from Parquet or Arrow (Feather).
 
-    A file has one reading or none: by default its beginning decides how a table is read, and what
-    it leaves open is an error that names the option that decides.
+    By default the beginning of a table decides how it is read. Where that leaves two ways open,
+    an error names the option that decides.
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ const INTRODUCTION: &str = "\
 
 The operations on matrices, meshes and spectra, and their names in Rust, C, C++, Python and on the
 command line. `cargo xtask faces` writes this page, and fails if a name does not exist or if a
-function or command stands nowhere. A word in italics says why a cell is empty; the
+function or command is in no row. A word in italics says why a cell is empty; the
 [reasons](#reasons) are at the end. Simulations have pages of their own: [plants](guide/plants.md),
 [slime moulds](guide/slime.md), [Newton fractals](guide/newton.md).
 

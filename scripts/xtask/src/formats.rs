@@ -73,7 +73,8 @@ What a reader leaves out or reads differently is a note with a count: on stderr,
   `read_scalars` of the libraries).
 
 A file that ends too early, a face with a vertex that is not there, and a file of zero bytes are
-errors. An error about a file that holds no mesh says what the file seems to be.
+errors. An error about a file without a mesh says what the file seems to be, such as a web page or
+a STEP file, where its first bytes show that.
 ";
 
 fn generate(_: &Path) -> Result<String, String> {

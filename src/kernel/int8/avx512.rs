@@ -402,7 +402,7 @@ enabled! {
         for row in sums.0.as_chunks_mut::<2>().0 {
             for (quarter, start) in row.iter_mut().zip(start) {
                 for row in quarter {
-                    // SAFETY: a row of sums is 16 elements.
+                    // SAFETY: a row of sums is 16 `i32`, the 64 bytes that are written.
                     unsafe { _mm512_storeu_si512(row.as_mut_ptr().cast(), start) };
                 }
             }
@@ -425,7 +425,7 @@ enabled! {
         for (r, held) in held.iter_mut().enumerate() {
             for (half, held) in held.iter_mut().enumerate() {
                 let row = &sums.0[2 * row_half + half][first + r];
-                // SAFETY: a row of sums is 16 elements.
+                // SAFETY: a row of sums is 16 `i32`, the 64 bytes that are read.
                 *held = unsafe { _mm512_loadu_si512(row.as_ptr().cast()) };
             }
         }
@@ -451,7 +451,7 @@ enabled! {
         for (r, held) in held.iter().enumerate() {
             for (half, &held) in held.iter().enumerate() {
                 let row = &mut sums.0[2 * row_half + half][first + r];
-                // SAFETY: a row of sums is 16 elements.
+                // SAFETY: a row of sums is 16 `i32`, the 64 bytes that are written.
                 unsafe { _mm512_storeu_si512(row.as_mut_ptr().cast(), held) };
             }
         }

@@ -285,7 +285,7 @@ pub fn mixed(choices: &mut Choices<'_>) {
     let mut c = Matrix::<f64>::new(choices, layout, (n, n), 1, |i, j| old.next(i, j));
     let (params, nearness) = of_product(choices);
     let what = format!("float, double {m} x {n}, {:?}", params.value);
-    // SAFETY: the memory of the matrices.
+    // SAFETY: the matrices own their memory, which has the sides and leading dimensions passed.
     let status = unsafe {
         let (lda, ldc, pc) = (a.ld, c.ld, c.pointer_mut());
         let params = params.pointer();

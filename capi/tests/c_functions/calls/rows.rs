@@ -90,7 +90,7 @@ pub fn dense<T: Real>(choices: &mut Choices<'_>) {
         Matrix::<T>::new(choices, CATA_ROW_MAJOR, (1, n), 1, |_, _| T::of(numbers.normal()));
     let (params, nearness) = of_product(choices);
     let what = format!("rows {m} x {n}, {centering}, {weighted}, {:?}", params.value);
-    // SAFETY: the memory of the matrices.
+    // SAFETY: the matrices own their memory, which has the sides and leading dimensions passed.
     let status = unsafe {
         let pw = if weighted { weights.pointer() } else { ptr::null() };
         let (pa, pc, center, params) =

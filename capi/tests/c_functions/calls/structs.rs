@@ -316,7 +316,7 @@ fn verification<T: Real>(choices: &mut Choices<'_>) {
     let a = Matrix::<T>::new(choices, layout, (m, n), 1, |i, j| entries.next(i, j));
     let mut c = Matrix::<T>::new(choices, layout, (n, n), 1, |_, _| T::of(0.0));
     let (alpha, zero) = (T::of(1.5), T::of(0.0));
-    // SAFETY: the memory of the matrices.
+    // SAFETY: the matrices own their memory, which has the sides and leading dimensions passed.
     let status = unsafe {
         let (pa, pc) = (a.pointer(), c.pointer_mut());
         T::ATA(layout, uplo, m, n, alpha, pa, a.ld, zero, pc, c.ld, ptr::null())

@@ -1,3 +1,5 @@
+//! Exact distances and shortest paths over the faces of a mesh, and traced geodesics.
+
 mod glued;
 #[cfg(test)]
 mod inside_tests;
