@@ -65,6 +65,8 @@ What a reader leaves out or reads differently is a note with a count: on stderr,
 - Surfaces of FreeSurfer are also read as text (`.asc`), Gmsh's versions 2 and 4.1 as text and
   binary, 1 and 4.0 as text, XML of VTK packed by zlib, LZ4 or LZMA, and glTF packed by Draco and
   meshoptimizer (`KHR_draco_mesh_compression`, `EXT_meshopt_compression`).
+- Coordinates stay in the unit of the file. Of 3MF they become millimetres, with a note if the file
+  has another unit, and `.3mf` is written in millimetres; no other format is converted.
 - Supports of 3MF, which only hold objects while they are printed, are left out, and so are slices,
   with a note where the mesh is a coarse one beside them. Beams that a file requires are an error.
 - Corners of glTF behind the last whole triangle are left out.
