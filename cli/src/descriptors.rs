@@ -63,7 +63,8 @@ pub struct Args {
     )]
     scales: Option<usize>,
     /// Radius of the ball around a vertex that shot describes, or of the rings, along edges; in
-    /// units of the mesh. Required for shot and rings, and for these only.
+    /// units of the mesh. Required for shot and rings, and for these only. Rows of shot are 0 where
+    /// the ball has fewer than five other vertices.
     #[arg(long, value_name = "R")]
     radius: Option<f64>,
     /// Number of rings that divide the radius; required for rings, and for rings only.
