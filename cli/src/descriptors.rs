@@ -19,7 +19,7 @@ use crate::parse;
 use crate::picture::{Paint, PictureArgs, first_column};
 use crate::pieces::Need;
 use crate::progress::Bar;
-use crate::report::status;
+use crate::report::{note, status};
 use crate::shape::{LaplacianArgs, functions};
 use crate::tables::TableArgs;
 
@@ -161,6 +161,13 @@ fn normals(args: &Args, radius: f64) -> Result<(TriMesh, Mat<f64>)> {
     let update = |fraction| bar.update(fraction);
     let options = ShotOptions::new(radius).par(args.laplacian.par()).progress(&update);
     let table = shot(&mesh, &options).with_context(|| args.mesh.display().to_string())?;
+    let empty = table.row_iter().filter(|row| row.iter().all(|x| *x == 0.0)).count();
+    if empty > 0 {
+        let rows = table.nrows();
+        note(format_args!(
+            "--radius {radius}: {empty} of {rows} rows are 0: too few vertices near"
+        ));
+    }
     Ok((mesh, table))
 }
 

@@ -1,5 +1,6 @@
 //! `catamaran distance`.
 
+use std::collections::HashSet;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -132,11 +133,14 @@ pub fn run(args: &Args) -> Result<()> {
     let picture = args.picture.create(args.force)?;
     let mesh = args.repair.read(&args.mesh)?.mesh;
     let components = Components::new(&mesh);
+    let mut seen = HashSet::new();
     for site in &args.from {
-        if let Site::Vertex(v) = site
-            && components.of_vertices().get(*v as usize) == Some(&Components::NONE)
-        {
+        let Site::Vertex(v) = site else { continue };
+        if components.of_vertices().get(*v as usize) == Some(&Components::NONE) {
             bail!("{}: vertex {v} is in no face", args.mesh.display());
+        }
+        if !seen.insert(v) {
+            bail!("--from: vertex {v} twice; the numbers of one point are separated by blanks");
         }
     }
 

@@ -449,8 +449,8 @@ impl Args {
     pub fn weather(&self, plant: &Plant) -> Result<Weather> {
         /// Days at most: the library walks through 10^6 changes of the loss, one after the other.
         const DAYS: f64 = 5e5;
-        if self.motion.is_some() && self.frames == 0 {
-            bail!("--frames 0: --motion needs at least 1");
+        if self.frames == 0 {
+            bail!("--frames 0: must be at least 1");
         }
         let days = self.hours / 24.0;
         if self.day_night && days > DAYS {
@@ -539,7 +539,7 @@ impl Args {
     pub fn seconds(&self) -> Vec<f64> {
         /// Frames per second without --motion.
         const FRAMES_PER_SECOND: f64 = 24.0;
-        let count = self.frames.max(1) as f64;
+        let count = self.frames as f64;
         let last = self.motion.unwrap_or(count / FRAMES_PER_SECOND);
         (0..=self.frames).map(|i| last * i as f64 / count).collect()
     }

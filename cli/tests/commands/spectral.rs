@@ -519,6 +519,8 @@ fn the_shortest_path_to_a_vertex_is_reported_and_written() {
         let said = folder.fail(&format!("distance a.obj --from 0 --to {to}"));
         assert!(said.contains(why), "{said}");
     }
+    let said = folder.fail("distance a.obj --from 0,0,1 -o e.npy");
+    assert!(said.contains("--from: vertex 0 twice"), "{said}");
 }
 
 #[test]
@@ -748,6 +750,8 @@ fn descriptors_are_tables_with_a_row_for_each_vertex_that_poses_do_not_change() 
         let close = |(a, b): (&f64, &f64)| (a.abs() - b.abs()).abs() < 1e-6 * size;
         assert!(size > 0.0 && a.iter().zip(b).all(close), "{kind}");
     }
+    let run = folder.run("descriptors source.ply --kind shot --radius 1e-9 -o zeros.npy");
+    assert!(run.stderr.contains(&format!("{n} of {n} rows are 0")), "{}", run.stderr);
     folder.succeed("descriptors source.ply --kind wks -k 20 -o w.csv --picture p.png");
     assert_eq!(&std::fs::read(folder.path("p.png")).unwrap()[1..4], b"PNG");
     for (arguments, says) in [

@@ -472,6 +472,7 @@ fn soil_is_emptied_and_watered_and_no_water_is_lost() {
     fails("--soil 1 --rewater 3:x", "expected HOURS or HOURS:GRAMS");
     fails("--stomata 0.5", "steepness");
     fails("--stomata 0.5,-1", "steepness");
+    fails("--stomata 2.5,25", "half of stomata: must be above 0 and at most 1, is 2.5");
     fails("--soil 1 --fit weights.csv", "--fit");
 }
 
@@ -670,7 +671,7 @@ fn options_of_motion_are_checked() {
     };
     fails("--motion 0", "--motion");
     fails("--motion 1 --steps-per-second 0", "--steps-per-second");
-    fails("--motion 1 --frames 0", "--frames");
+    fails("--frames 0", "--frames 0");
     fails("--motion 1 --wind 1,2", "expected 3 numbers");
     fails("--motion 1 --damping=-1", "damping");
     fails("--wind 1,2,3", "--motion");

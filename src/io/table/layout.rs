@@ -121,7 +121,9 @@ pub(super) fn decide(
     if separator.is_none() {
         table.check_commas(rest, is_last, line)?;
     }
-    if separator.is_none() && table.is_one_column_of_decimal_commas()? {
+    let is_one_column = separator.is_none()
+        && (table.is_one_column_of_decimal_commas()? || table.is_one_column_of_thousands()?);
+    if is_one_column {
         // No separator is left. What a comma within a number means is decided as elsewhere.
         let options = options.clone().separator(Separator::Char('\t'));
         return decide(path, text, is_last, &options, columns);
@@ -247,7 +249,7 @@ impl Found<'_> {
         };
         let is_number = |row: &SampleRow| match &row.fields[..] {
             [field] => self.cell(field) != Cell::Word,
-            [_, _] => number::parse(&row.fields.join(&b','), NOTATIONS[1]).is_some(),
+            [_, _] => is_decimal_comma(&row.fields.join(&b',')),
             _ => false,
         };
         // As integers, these would not be written so.
@@ -287,6 +289,39 @@ impl Found<'_> {
             ));
         }
         Ok(true)
+    }
+
+    /// Returns whether all rows are pairs between commas that are numbers such as 1.234.567,89, with
+    /// points between thousands.
+    ///
+    /// # Errors
+    /// They may also be pairs, as 1.234,89.
+    fn is_one_column_of_thousands(&self) -> Result<bool> {
+        let rows = &self.sample.rows;
+        let is_number = |row: &SampleRow| match &row.fields[..] {
+            [_, fraction] => !fraction.is_empty() && is_decimal_comma(&row.fields.join(&b',')),
+            _ => false,
+        };
+        let has_point = |row: &&SampleRow| row.fields[0].contains(&b'.');
+        if self.syntax.between != Between::Byte(b',')
+            || self.options.decimal.is_some()
+            || !rows.iter().all(is_number)
+        {
+            return Ok(false);
+        }
+        let Some(row) = rows.iter().find(has_point) else { return Ok(false) };
+        if rows.iter().any(|row| number::parse(&row.fields[0], PLAIN).is_none()) {
+            return Ok(true);
+        }
+        let (separator, decimal) = (option("separator"), option("decimal"));
+        let text = excerpt(&row.fields.join(&b','));
+        Err(self.fail(
+            row.line,
+            format!(
+                "{text} is two numbers, or one with a decimal comma: {separator} or {decimal} \
+                 decides"
+            ),
+        ))
     }
 
     /// Returns whether the first column counts the rows below the header, from 0 or 1.
@@ -853,6 +888,11 @@ impl Found<'_> {
         }
         Ok(chosen)
     }
+}
+
+/// Returns whether a field is a number with a decimal comma, and perhaps points between thousands.
+fn is_decimal_comma(field: &[u8]) -> bool {
+    [NOTATIONS[1], NOTATIONS[3]].into_iter().any(|n| number::parse(field, n).is_some())
 }
 
 /// Words of missing cells that are none by default, in small letters.

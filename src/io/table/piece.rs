@@ -292,7 +292,9 @@ fn missing(layout: &Layout, j: usize, field: &[u8]) -> Result<bool, String> {
             let kind = if matches!(layout.uses[j], Use::Word(..)) { "word" } else { "number" };
             let what = format!("{field} where a {kind} should be");
             let (column, missing) = (column(layout, j), option("missing"));
-            Err(format!("{column}: {what}; {missing} = drop leaves out rows with a missing cell"))
+            Err(format!(
+                "{column}: {what}; {missing} = drop leaves out such rows, {missing} = nan keeps them"
+            ))
         }
     }
 }

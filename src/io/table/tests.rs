@@ -301,6 +301,23 @@ fn other_notations_are_read_when_the_file_decides() {
     refused("x\n1,5\n2,25\n", &auto(), 2, &["`index`", "`decimal`"]);
     refused("x\n5,000\n2,500\n", &auto(), 2, &["\"5,000\" is 5 with", "5000", "`thousands`"]);
     check("x\n1,5\n2,25\n", &options(TableOptions::new().decimal(',')), &[&[1.5], &[2.25]], &["x"]);
+    // One column with points between thousands, or two columns.
+    for text in ["1.234,50\n2.500,75\n", "999,5\n-1.234,50\n"] {
+        refused(
+            text,
+            &auto(),
+            text.lines().position(|l| l.contains('.')).unwrap() + 1,
+            &["1.234,50\" is two numbers", "`separator`", "`decimal`"],
+        );
+    }
+    let (commas, by_commas) =
+        (TableOptions::new().decimal(','), TableOptions::new().separator(Separator::Char(',')));
+    let text = "1.234,50\n2.500,75\n";
+    check(text, &options(commas), &[&[1234.5], &[2500.75]], &[]);
+    check(text, &options(by_commas), &[&[1.234, 50.0], &[2.5, 75.0]], &[]);
+    check("1.234.567,89\n2,5\n", &auto(), &[&[1_234_567.89], &[2.5]], &[]);
+    check("0.234,5\n2.500,75\n", &auto(), &[&[0.234, 5.0], &[2.5, 75.0]], &[]);
+    refused("x\n1.000,5\n2.000,7\n", &auto(), 2, &["\"1.000,5\"", "`decimal`", "`skip` = 1"]);
     // What comes late decides nothing.
     let late = "x;y\n".to_owned() + &"1;2\n".repeat(30_000) + "1,5;2\n";
     refused(&late, &auto(), 30_002, &["\"1,5\"", "`decimal`"]);

@@ -325,6 +325,11 @@ fn a_mirrored_mesh_has_no_good_map_and_a_symmetric_one_has_two() {
     assert!(found.mirrored.is_some_and(|exact| exact < 1e-3), "{}", told(&found));
     let doubt = found.doubt().unwrap();
     assert_eq!(doubt, "a map that exchanges left and right fits better", "{}", told(&found));
+    // Every turn about its axis takes a torus to itself.
+    let torus = families::torus(30, 15, 2.0, 0.8).unwrap();
+    let basis = eigenbasis(&torus, 40);
+    let found = search((&torus, &basis), (&torus, &basis));
+    assert_eq!(found.doubt(), Some("another map fits almost as well"), "{}", told(&found));
     // A half turn takes the figure to itself, and keeps the orientation.
     let figure = families::figure(3, 0.0).unwrap();
     let basis = eigenbasis(&figure, 40);

@@ -12,8 +12,9 @@ use catamaran::base::{Error, Par, Progress, Result, options, positive};
 /// The mass of a mole of water, in kg.
 const MOLE: f64 = 18.015_28e-3;
 
-/// The unit of closing points, so that parameters are of order 1.
+/// The unit of closing points, so that parameters are of order 1, and the least one.
 const CLOSING: f64 = 0.1;
+const LEAST_CLOSING: f64 = 1e-3;
 
 /// The unit of the weight at first, as a part of the water of full cells.
 const START: f64 = 0.01;
@@ -191,7 +192,8 @@ impl Drying<'_> {
         let vein = Segment { leaf_area: Some(leaf.area), ..vein };
         let model = WaterModel::new(&Plant::new(vec![vein], &[None], Some([0.0; 3]))?, &options)?;
         let stomata = Stomata::new()
-            .half(CLOSING * own[1])
+            // A step of the fit may leave the range.
+            .half((CLOSING * own[1]).clamp(LEAST_CLOSING, 1.0))
             .steepness(steepness)
             .cuticular((cuticular / open).min(1.0));
         let start = leaf.weights[0] - leaf.dry + START * leaf.full() * own[2];
