@@ -473,6 +473,10 @@ fn refused(error: catamaran::Error, args: &Args) -> anyhow::Error {
         catamaran::Error::Argument { what: "locked", why } => {
             anyhow!("{}: {why}", if args.lock_by.is_some() { "--lock-by" } else { "--lock" })
         }
+        catamaran::Error::Argument { what: "density", why } => {
+            anyhow!("{}: {why}", if args.density_by.is_some() { "--density-by" } else { "--density" })
+        }
+        catamaran::Error::Argument { what: "curvature", why } => anyhow!("--curvature: {why}"),
         catamaran::Error::Argument { what: "n" | "error", why } if args.error.is_some() => {
             anyhow!("--error: {why}")
         }

@@ -222,7 +222,7 @@ fn target(
         let [a, b, c] = face.map(|v| patch.position(v));
         let doubled = patch.normal(face);
         let area = norm(doubled);
-        let share = area * patch.stretch_of(face).powi(CENTRAL);
+        let share = area * patch.stretch_of(face).powi(BALANCE);
         for k in 0..3 {
             sum[k] += share * (a[k] + b[k] + c[k]) / 3.0;
             normals[k] += doubled[k];
@@ -275,10 +275,9 @@ fn even_target(patch: &Patch, v: u32, here: Vector) -> Vector {
     std::array::from_fn(|k| here[k] + EVEN_STEP * (sum[k] / weight - here[k]))
 }
 
-/// Power of the stretch by which faces have weights besides their areas: edges of centroidal
-/// Voronoi cells are proportional to the density of the centroids to the power -1/4 (Du, Faber and
-/// Gunzburger, Centroidal Voronoi Tessellations, 1999).
-pub(super) const CENTRAL: i32 = 4;
+/// Power of the stretch by which faces have weights besides their areas: where triangles on both
+/// sides of a vertex differ in size only, area times distance grows with the cube of the size.
+const BALANCE: i32 = 3;
 
 /// Ratio of the sum of normals to the sum of areas below which moving a vertex may lose detail.
 const FLAT: f64 = 0.95;

@@ -19,7 +19,7 @@ use super::patch::{Compact, Patch};
 use super::prepare::{Prepared, prepare};
 use super::quadric::Quadrics;
 use super::refine::refine;
-use super::relax::{CENTRAL, relax};
+use super::relax::relax;
 use super::resolve::resolve;
 use super::result::Decimation;
 use super::size::edge_length_for;
@@ -313,7 +313,9 @@ impl<'m, 'o> Decimator<'m, 'o> {
         let cutoff = radius as f32;
         let mut areas =
             if self.options.lloyd > 0 { vertex_areas(&surface.mesh) } else { Vec::new() };
-        (0..).zip(&mut areas).for_each(|(v, area)| *area *= surface.stretch.at(v).powi(CENTRAL));
+        // Cells are as large as a density of centroids to the power -1/2 (Du, Faber and Gunzburger,
+        // Centroidal Voronoi Tessellations, 1999).
+        (0..).zip(&mut areas).for_each(|(v, area)| *area *= surface.stretch.at(v).powi(4));
         for pass in 0..self.options.lloyd {
             progress.part(0.4..0.6).report(pass as f64 / self.options.lloyd as f64)?;
             let stays = |v: u32| locks.contains(v);
