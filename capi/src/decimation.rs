@@ -556,8 +556,7 @@ pub(super) unsafe fn with_options<X>(
             // SAFETY: clause `structs` (`params.density`, `n_density` elements).
             count => unsafe { slice("params.density", params.density, count) }?,
         };
-        let curvature =
-            if params.curvature == 0.0 { default.curvature } else { params.curvature };
+        let curvature = if params.curvature == 0.0 { default.curvature } else { params.curvature };
         let options = DecimateOptions::new()
             .par(params.par())
             .method(method)

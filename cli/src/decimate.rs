@@ -100,8 +100,8 @@ pub struct Args {
     /// The same for the vertices at which this scalar of the mesh is not 0, in ascending order.
     #[arg(long, value_name = "NAME", conflicts_with = "lock")]
     lock_by: Option<String>,
-    /// Vertices per area, relative to elsewhere: a file with a positive number for each vertex of the
-    /// mesh, one a line. Only ratios count.
+    /// Vertices per area, relative to elsewhere: a file with a positive number for each vertex of
+    /// the mesh, one a line. Only ratios count.
     #[arg(long, value_name = "FILE")]
     density: Option<TextFile>,
     /// The same by a scalar of the mesh.
@@ -474,7 +474,10 @@ fn refused(error: catamaran::Error, args: &Args) -> anyhow::Error {
             anyhow!("{}: {why}", if args.lock_by.is_some() { "--lock-by" } else { "--lock" })
         }
         catamaran::Error::Argument { what: "density", why } => {
-            anyhow!("{}: {why}", if args.density_by.is_some() { "--density-by" } else { "--density" })
+            anyhow!(
+                "{}: {why}",
+                if args.density_by.is_some() { "--density-by" } else { "--density" }
+            )
         }
         catamaran::Error::Argument { what: "curvature", why } => anyhow!("--curvature: {why}"),
         catamaran::Error::Argument { what: "n" | "error", why } if args.error.is_some() => {

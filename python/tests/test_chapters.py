@@ -70,7 +70,7 @@ def test_a_density_brings_vertices_where_it_is_large():
     assert np.array_equal(same.v, catamaran.decimate(v, f, 1000).v)
     assert len(catamaran.decimate(v, f, 1000, curvature=16).v) == 1000
     density[5] = 0
-    with pytest.raises(ValueError, match="^density: must be positive and finite, is 0e0 at vertex 5"):
+    with pytest.raises(ValueError, match="^density: must be .* finite, is 0e0 at vertex 5"):
         catamaran.decimate(v, f, 1000, density=density)
     with pytest.raises(ValueError, match="^density: must be one for each of "):
         catamaran.decimate(v, f, 1000, density=[1.0, 2.0])

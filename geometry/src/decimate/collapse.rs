@@ -53,16 +53,16 @@ pub(super) fn reduce(patch: &mut Patch, n: usize) -> Result<usize> {
 /// The restrictions of a collapse, besides the topology, which never changes.
 #[derive(Debug, Clone, Copy)]
 enum Care {
-    /// No face turns over, neither end is farther than this, stretched, from the new faces, and no new
-    /// intersections of faces arise.
+    /// No face turns over, neither end is farther than this, stretched, from the new faces, and no
+    /// new intersections of faces arise.
     Shape(f64),
     /// No new intersections of faces arise.
     Intersections,
     Topology,
 }
 
-/// Returns a key in the order of stretched lengths, which are not negative, so that their bits have the order
-/// of the numbers.
+/// Returns a key in the order of stretched lengths, which are not negative, so that their bits have
+/// the order of the numbers.
 fn key(patch: &Patch, a: u32, b: u32) -> u64 {
     patch.stretched(a, b).to_bits()
 }
@@ -98,8 +98,8 @@ fn collapse(patch: &mut Patch, a: u32, b: u32, care: Care) -> Option<u32> {
     Some(b)
 }
 
-/// Thresholds of short and of long edges, relative to the mean stretched length. In measurements, exchanges
-/// do not come to rest with thresholds nearer to 1.
+/// Thresholds of short and of long edges, relative to the mean stretched length. In measurements,
+/// exchanges do not come to rest with thresholds nearer to 1.
 const SHORT: f64 = 0.78;
 const LONG: f64 = 1.3;
 

@@ -10,7 +10,7 @@ use catamaran::base::{Result, spend, within};
 
 /// Standard deviation of the weights of the curvatures around a vertex of which its own is the
 /// mean, along each axis, in edges of the result: triangles can't follow finer bends.
-const REACH: f64 = 0.5;
+const REACH: f64 = 0.35;
 
 /// Largest growth of the length of edges over a path, relative to its length.
 const GRADING: f64 = 0.2;
@@ -51,9 +51,11 @@ const STEP: f64 = 200.0;
 ///
 /// # Errors
 /// [`Error::Argument`](catamaran::Error::Argument) when n is 0, `range` is out of range, or the
-/// mesh has no area; [`Error::Cancelled`](catamaran::Error::Cancelled).
+/// mesh has no area; [`Error::Mesh`](catamaran::Error::Mesh) when lengths are out of range;
+/// [`Error::Cancelled`](catamaran::Error::Cancelled).
 pub fn curvature_density(mesh: &TriMesh, n: usize, range: f64) -> Result<Vec<f64>> {
     within("range", range, 1.0, 1e6)?;
+    mesh.check_size()?;
     let length = edge_length_for(mesh.area(), n)?;
     let graph = Graph::new(mesh);
     let tensors = graph.smoothed(tensors(mesh, &graph.edges), (REACH * length).powi(2))?;

@@ -25,8 +25,8 @@ pub(super) struct Prepared<'m> {
 const NEW: u32 = u32::MAX;
 
 impl Prepared<'_> {
-    /// Returns the surface with edges whose stretched lengths are at most `longest`; the existing vertices keep their
-    /// indices.
+    /// Returns the surface with edges whose stretched lengths are at most `longest`; the existing
+    /// vertices keep their indices.
     pub fn refined(
         &self,
         longest: f64,

@@ -141,11 +141,7 @@ impl Splits {
     }
 }
 
-fn add(
-    vertices: &mut Vec<Vector>,
-    stretched: &mut Option<Stretched>,
-    of: &[u32],
-) -> Result<u32> {
+fn add(vertices: &mut Vec<Vector>, stretched: &mut Option<Stretched>, of: &[u32]) -> Result<u32> {
     spend(SPLIT)?;
     let number = u32::try_from(vertices.len()).ok().filter(|&number| number < u32::MAX / 8);
     let Some(number) = number else {
