@@ -1931,6 +1931,12 @@ typedef struct cata_decimation_params {
     /** 1: the relaxation ends with passes that make areas as equal as possible, at the cost of
      * the shapes of triangles. 0: it does not. */
     int32_t uniform;
+    /** Vertices of the result per area, relative to elsewhere: a positive number for each vertex
+     * of the input. NULL: the same everywhere. */
+    const double *density;
+    size_t n_density; /**< Number of `density`: n_vertices, or 0. */
+    /** Up to how many times as many vertices per area where the surface bends; 0: 1. */
+    double curvature;
 } cata_decimation_params;
 /** Fills a struct with the defaults. */
 cata_status cata_decimation_params_init(cata_decimation_params *params, size_t struct_size);

@@ -80,6 +80,13 @@ pub struct cata_decimation_params {
     /// 1: the relaxation ends with passes that make areas as equal as possible, at the cost of
     /// the shapes of triangles. 0: it does not.
     pub uniform: i32,
+    /// Vertices of the result per area, relative to elsewhere: a positive number for each vertex
+    /// of the input. NULL: the same everywhere.
+    pub density: *const f64,
+    /// Number of `density`: n_vertices, or 0.
+    pub n_density: usize,
+    /// Up to how many times as many vertices per area where the surface bends; 0: 1.
+    pub curvature: f64,
 }
 
 params!(cata_decimation_params, keep_edges: i32);
@@ -544,6 +551,12 @@ pub(super) unsafe fn with_options<X>(
             // SAFETY: clause `structs` (`params.locked`, `n_locked` elements).
             count => unsafe { slice("params.locked", params.locked, count) }?,
         };
+        let density: &[f64] = match params.n_density {
+            0 => &[],
+            // SAFETY: clause `structs` (`params.density`, `n_density` elements).
+            count => unsafe { slice("params.density", params.density, count) }?,
+        };
+        let curvature = if params.curvature == 0.0 { default.curvature } else { params.curvature };
         let options = DecimateOptions::new()
             .par(params.par())
             .method(method)
@@ -552,6 +565,8 @@ pub(super) unsafe fn with_options<X>(
             .relaxation(passes("params.relaxation", params.relaxation, default.relaxation)?)
             .cut_narrow_handles(flag("params.cut_narrow_handles", params.cut_narrow_handles)?)
             .locked(locked)
+            .density(density)
+            .curvature(curvature)
             .uniform(flag("params.uniform", params.uniform)?)
             .first(flag("params.has_first", params.has_first)?.then_some(params.first))
             .progress(progress);

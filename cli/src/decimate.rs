@@ -100,6 +100,17 @@ pub struct Args {
     /// The same for the vertices at which this scalar of the mesh is not 0, in ascending order.
     #[arg(long, value_name = "NAME", conflicts_with = "lock")]
     lock_by: Option<String>,
+    /// Vertices per area, relative to elsewhere: a file with a positive number for each vertex of
+    /// the mesh, one a line. Only ratios count.
+    #[arg(long, value_name = "FILE")]
+    density: Option<TextFile>,
+    /// The same by a scalar of the mesh.
+    #[arg(long, value_name = "NAME", conflicts_with = "density")]
+    density_by: Option<String>,
+    /// More vertices where the surface bends: up to R times as many per area as where it is flat,
+    /// such as 16. 1: as many everywhere. With --density, both factors count.
+    #[arg(long, value_name = "R", default_value_t = DecimateOptions::default().curvature)]
+    curvature: f64,
     /// Write the matrix that takes functions on the result to functions on the input, .mtx: a row
     /// for each vertex of the input, a column for each vertex of the result.
     #[arg(long, value_name = "FILE")]
@@ -209,16 +220,17 @@ pub fn run(args: &Args) -> Result<()> {
     let input = read(&args.input, &args.repair)?;
     let sizes = wanted(args, &input.mesh)?;
     let locked = locked(args, &input)?;
+    let density = density(args, &input)?;
     let par = args.threads.par();
 
     let mut levels: Vec<Level> = Vec::new();
     for size in sizes {
         let level = match levels.last() {
-            None => Level::new(args, &input, size, args.first, &locked)?,
+            None => Level::new(args, &input, size, args.first, &locked, density.clone())?,
             Some(before) => {
                 // The locked vertices are the first ones of each level.
                 let stay: Vec<u32> = (0..before.found.locked as u32).collect();
-                Level::new(args, &before.file, size, None, &stay)?
+                Level::new(args, &before.file, size, None, &stay, before.density.clone())?
             }
         };
         report_result(args, &input, &level, par)?;
@@ -284,6 +296,8 @@ struct Level {
     found: Decimation,
     /// With what is carried over.
     file: MeshFile,
+    /// At the vertices of the result.
+    density: Vec<f64>,
     elapsed: Duration,
 }
 
@@ -295,6 +309,7 @@ impl Level {
         size: Size,
         first: Option<u32>,
         locked: &[u32],
+        density: Vec<f64>,
     ) -> Result<Self> {
         let bar = Bar::new("decimate");
         let update = |fraction| bar.update(fraction);
@@ -306,6 +321,8 @@ impl Level {
             .cut_narrow_handles(args.cut_handles)
             .first(first)
             .locked(locked)
+            .density(&density)
+            .curvature(args.curvature)
             .par(args.threads.par())
             .progress(&update);
         let start = Instant::now();
@@ -320,7 +337,11 @@ impl Level {
         };
         let elapsed = start.elapsed();
         let file = found.carry(from)?;
-        Ok(Self { found, file, elapsed })
+        let density = match density.is_empty() {
+            true => density,
+            false => found.carry_values(&from.mesh, 1, &density)?,
+        };
+        Ok(Self { found, file, density, elapsed })
     }
 }
 
@@ -349,18 +370,50 @@ fn locked(args: &Args, input: &MeshFile) -> Result<Vec<u32>> {
         return numbers(file, input.mesh.vertices().len());
     }
     let Some(name) = &args.lock_by else { return Ok(Vec::new()) };
-    let Some(scalars) = input.scalars.iter().find(|scalars| scalars.name == *name) else {
-        let known: Vec<&str> = input.scalars.iter().map(|scalars| scalars.name.as_str()).collect();
-        let known = if known.is_empty() { "none".into() } else { known.join(", ") };
-        bail!("--lock-by {name}: {} has no such scalar: {known}", args.input.display());
-    };
+    let values = scalar(args, input, "--lock-by", name)?;
     let is_set = |value: f64| value != 0.0 && !value.is_nan();
-    let all = (0..).zip(&scalars.values).filter(|(_, value)| is_set(**value));
+    let all = (0..).zip(values).filter(|(_, value)| is_set(**value));
     let vertices: Vec<u32> = all.map(|(v, _)| v).collect();
     if vertices.is_empty() {
         bail!("--lock-by {name}: {} is 0 at all vertices", args.input.display());
     }
     Ok(vertices)
+}
+
+/// Returns the values of a scalar of the mesh, which this option names.
+fn scalar<'a>(args: &Args, input: &'a MeshFile, option: &str, name: &str) -> Result<&'a [f64]> {
+    let Some(scalars) = input.scalars.iter().find(|scalars| scalars.name == name) else {
+        let known: Vec<&str> = input.scalars.iter().map(|scalars| scalars.name.as_str()).collect();
+        let known = if known.is_empty() { "none".into() } else { known.join(", ") };
+        bail!("{option} {name}: {} has no such scalar: {known}", args.input.display());
+    };
+    Ok(&scalars.values)
+}
+
+/// Returns the densities at the vertices of the mesh; none if they are the same everywhere.
+fn density(args: &Args, input: &MeshFile) -> Result<Vec<f64>> {
+    if let Some(name) = &args.density_by {
+        return Ok(scalar(args, input, "--density-by", name)?.to_vec());
+    }
+    let Some(file) = &args.density else { return Ok(Vec::new()) };
+    let text = file.read()?;
+    let mut values = Vec::new();
+    for (at, line) in (1..).zip(text.lines()) {
+        let word = line.trim();
+        if word.is_empty() || word.starts_with('#') {
+            continue;
+        }
+        match word.parse::<f64>() {
+            Ok(value) if value > 0.0 && value.is_finite() => values.push(value),
+            _ => bail!("{}: line {at}: '{word}' is not a positive number", file.name()),
+        }
+    }
+    let vertices = input.mesh.vertices().len();
+    if values.len() != vertices {
+        let count = values.len();
+        bail!("{}: expected a number for each of {vertices} vertices, got {count}", file.name());
+    }
+    Ok(values)
 }
 
 /// Reads numbers of vertices, one a line; empty lines and those that begin with `#` are skipped.
@@ -420,6 +473,13 @@ fn refused(error: catamaran::Error, args: &Args) -> anyhow::Error {
         catamaran::Error::Argument { what: "locked", why } => {
             anyhow!("{}: {why}", if args.lock_by.is_some() { "--lock-by" } else { "--lock" })
         }
+        catamaran::Error::Argument { what: "density", why } => {
+            anyhow!(
+                "{}: {why}",
+                if args.density_by.is_some() { "--density-by" } else { "--density" }
+            )
+        }
+        catamaran::Error::Argument { what: "curvature", why } => anyhow!("--curvature: {why}"),
         catamaran::Error::Argument { what: "n" | "error", why } if args.error.is_some() => {
             anyhow!("--error: {why}")
         }

@@ -30,6 +30,11 @@ struct decimation_options {
     std::vector<std::uint32_t> locked;
     /// Whether areas are made as equal as possible, at the cost of the shapes of triangles.
     bool uniform = false;
+    /// Vertices of the result per area, relative to elsewhere: a positive number for each vertex of
+    /// the input; none: the same everywhere.
+    std::vector<double> density;
+    /// Up to how many times as many vertices per area where the surface bends, from 1.
+    double curvature = 1;
     /// Progress callback, as options::progress.
     std::function<bool(double)> progress;
 };
@@ -81,6 +86,9 @@ inline cata_decimation_params params_of(const decimation_options& how) {
     params.locked = how.locked.empty() ? nullptr : how.locked.data();
     params.n_locked = how.locked.size();
     params.uniform = how.uniform ? 1 : 0;
+    params.density = how.density.empty() ? nullptr : how.density.data();
+    params.n_density = how.density.size();
+    params.curvature = how.curvature;
     return params;
 }
 

@@ -23,6 +23,8 @@ arguments! {
         cut_narrow_handles: bool,
         first: Option<i64>,
         locked: Vec<i64>,
+        density: Vec<f64>,
+        curvature: f64,
         threads: Threads,
     }
 }
@@ -71,6 +73,8 @@ pub fn decimate<'py>(
             .cut_narrow_handles(how.cut_narrow_handles)
             .first(first)
             .locked(&locked)
+            .density(&how.density)
+            .curvature(how.curvature)
             .par(par)
             .progress(progress);
         let found = match size {

@@ -60,6 +60,24 @@ def test_locked_vertices_of_a_decimation_are_its_first():
         catamaran.decimate(v, f, 400, locked=range(12))
 
 
+def test_a_density_brings_vertices_where_it_is_large():
+    v, f = shapes.icosphere(5)
+    density = np.where(v[:, 0] > 0, 9.0, 1.0)
+    found = catamaran.decimate(v, f, 1000, density=density)
+    share = np.mean(found.v[:, 0] > 0)
+    assert 0.8 < share < 0.93
+    same = catamaran.decimate(v, f, 1000, density=np.full(len(v), 3))
+    assert np.array_equal(same.v, catamaran.decimate(v, f, 1000).v)
+    assert len(catamaran.decimate(v, f, 1000, curvature=16).v) == 1000
+    density[5] = 0
+    with pytest.raises(ValueError, match="^density: must be .* finite, is 0e0 at vertex 5"):
+        catamaran.decimate(v, f, 1000, density=density)
+    with pytest.raises(ValueError, match="^density: must be one for each of "):
+        catamaran.decimate(v, f, 1000, density=[1.0, 2.0])
+    with pytest.raises(ValueError, match="^curvature: must be from 1"):
+        catamaran.decimate(v, f, 1000, curvature=0.5)
+
+
 def test_farthest_points_are_far():
     v, f = shapes.icosphere(4)
     found = catamaran.farthest_points(v, f, 12, first=3, return_cells=True)

@@ -83,6 +83,18 @@ void decimations() {
     const catamaran::decimation corners(small, 100, locks);
     CHECK(corners.locked_edges().edges == 12 && corners.locked_edges().lost == 12);
 
+    // A density for each vertex, and one by curvature.
+    catamaran::decimation_options dense;
+    dense.density.assign(fine.vertices().size(), 1);
+    CHECK(catamaran::decimation(fine.mesh(), 40, dense).vertices() ==
+          catamaran::decimation(fine.mesh(), 40).vertices());
+    dense.density.front() = 5;
+    dense.curvature = 4;
+    CHECK(catamaran::decimation(fine.mesh(), 40, dense).vertices() !=
+          catamaran::decimation(fine.mesh(), 40).vertices());
+    dense.density.pop_back();
+    CHECK(status_of([&] { catamaran::decimation(fine.mesh(), 40, dense); }) == CATA_ERR_ARGUMENT);
+
     const catamaran::sampling points = catamaran::farthest_points(fine.mesh(), 6);
     CHECK(points.samples.size() == 6 && points.nearest[points.samples[5]] == 5);
     CHECK(*std::max_element(points.distances.begin(), points.distances.end()) < 1.5f);

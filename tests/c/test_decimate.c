@@ -114,6 +114,44 @@ static void test_locked_vertices(void)
     CHECK_MENTIONS("locked");
 }
 
+static void test_density(void)
+{
+    static double density[V], even[3 * N];
+    cata_decimation_params params;
+    cata_decimation *torus = NULL;
+    size_t outside[2] = {0, 0};
+    CHECK_STATUS(cata_decimation_params_init(&params, sizeof params), CATA_OK);
+    CHECK(params.density == NULL && params.n_density == 0 && params.curvature == 0);
+    for (size_t v = 0; v < V; v++) {
+        density[v] = vertices[3 * v] > 0 ? 9 : 1;
+    }
+    for (int dense = 0; dense < 2; dense++) {
+        params.density = dense ? density : NULL;
+        params.n_density = dense ? V : 0;
+        CHECK_STATUS(decimate(N, &params, &torus), CATA_OK);
+        CHECK_STATUS(cata_decimation_get(torus, even, NULL), CATA_OK);
+        cata_decimation_free(torus);
+        for (size_t v = 0; v < N; v++) {
+            outside[dense] += even[3 * v] > 0;
+        }
+    }
+    /* Nine tenths instead of a half, less what is near the middle. */
+    CHECK(outside[0] < 2 * N / 3 && outside[1] > 3 * N / 4);
+    params.curvature = 4;
+    CHECK_STATUS(decimate(N, &params, &torus), CATA_OK);
+    cata_decimation_free(torus);
+    density[7] = -1;
+    CHECK_STATUS(decimate(N, &params, &torus), CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("density: must be positive and finite, is -1e0 at vertex 7");
+    params.n_density = 3;
+    CHECK_STATUS(decimate(N, &params, &torus), CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("density");
+    params.n_density = 0;
+    params.curvature = 0.5;
+    CHECK_STATUS(decimate(N, &params, &torus), CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("curvature");
+}
+
 static void test_what_is_carried(void)
 {
     cata_decimation *torus = NULL;
@@ -227,6 +265,7 @@ int main(void)
     test_torus();
     test_within_an_error();
     test_locked_vertices();
+    test_density();
     test_what_is_carried();
     test_farthest_points();
     test_refusals();

@@ -3,6 +3,7 @@
 use std::fs;
 
 use catamaran::io::{Output, Overwrite};
+use catamaran_geometry::decimate::{DecimateOptions, decimate};
 use catamaran_geometry::mesh::io::{Attribute, MeshFile, Scalars, read, write};
 use catamaran_geometry::mesh::{TriMesh, families};
 
@@ -157,6 +158,50 @@ fn locked_vertices_come_first_and_stay_where_they_are() {
     assert!(said.contains("--lock: the method of the thesis locks no vertices"), "{said}");
     let said = folder.fail("decimate in.vtk -n 100 --lock none.txt -o no.ply");
     assert!(said.contains("none.txt"), "{said}");
+}
+
+#[test]
+fn densities_come_from_a_file_or_a_scalar_and_are_carried_through_levels() {
+    let mesh = sphere();
+    let density: Vec<f64> =
+        mesh.vertices().iter().map(|p| if p[0] > 0.0 { 9.0 } else { 1.0 }).collect();
+    let mut file = MeshFile::from(mesh.clone());
+    file.scalars.push(Scalars { name: "detail".into(), values: density.clone() });
+    let folder = folder("in.vtk", &file);
+    let lines: Vec<String> = density.iter().map(f64::to_string).collect();
+    folder.write("density.txt", &format!("# vertices per area\n\n{}\n", lines.join("\n")));
+    for (option, of, name) in [
+        ("--density density.txt", DecimateOptions::new().density(&density), "file.ply"),
+        ("--density-by detail", DecimateOptions::new().density(&density), "scalar.ply"),
+        ("--curvature 16", DecimateOptions::new().curvature(16.0), "curvature.ply"),
+        ("--curvature 1", DecimateOptions::new(), "even.ply"),
+    ] {
+        folder.succeed(&format!("decimate in.vtk -n 300 {option} -o {name}"));
+        let made = read(&folder.path(name)).unwrap().mesh;
+        assert_eq!(made, decimate(&mesh, 300, &of).unwrap().mesh, "{option}");
+    }
+    folder.succeed("decimate in.vtk --levels 600,150 --density density.txt -o level-{}.ply");
+    let few = read(&folder.path("level-150.ply")).unwrap().mesh;
+    let dense = few.vertices().iter().filter(|p| p[0] > 0.0).count();
+    assert!((115..145).contains(&dense), "{dense} of 150");
+    for (text, why) in [
+        ("5\n0\n", "wrong.txt: line 2: '0' is not a positive number"),
+        ("x\n", "wrong.txt: line 1: 'x' is not a positive number"),
+        ("5\n6\n", "wrong.txt: expected a number for each of 2562 vertices, got 2"),
+    ] {
+        folder.write("wrong.txt", text);
+        let said = folder.fail("decimate in.vtk -n 100 --density wrong.txt -o no.ply");
+        assert!(said.contains(why), "{said}");
+    }
+    for (option, why) in [
+        ("--density-by loose", "--density-by loose: in.vtk has no such scalar: detail"),
+        ("--curvature 0.5", "--curvature: must be from 1 to 1000000, is 0.5"),
+        ("--density density.txt --method thesis", "--density: the method of the thesis has"),
+        ("--curvature 9 --method thesis", "--curvature: the method of the thesis has"),
+    ] {
+        let said = folder.fail(&format!("decimate in.vtk -n 100 {option} -o no.ply"));
+        assert!(said.contains(why), "{said}");
+    }
 }
 
 #[test]

@@ -39,6 +39,7 @@ fn folder() -> Folder {
     }
     folder.write("labels.txt", "ann\nann\nbob\nbob\n");
     folder.write("rim.txt", "0\n40\n80\n");
+    folder.write("face.txt", format!("{}{}", "1\n".repeat(1600), "9\n".repeat(1600)));
     put("top.ply", families::grid(16, 10).unwrap());
     put("bottom.ply", families::grid(10, 14).unwrap());
     folder

@@ -21,7 +21,7 @@ const DETOUR: f32 = 1.5;
 const BLOCK: usize = 1 << 16;
 
 /// Adds samples, each the start of a cell, until there are `n`; the samples so far have not grown
-/// yet. `area` is the area of the surface.
+/// yet. `area` is the area of the surface. All lengths are stretched.
 ///
 /// All vertices farther from the samples than a threshold are candidates; among them, the farthest
 /// first, vertices are taken whose distance from each other in space, and therefore along edges, is
@@ -102,44 +102,87 @@ fn farther_than(surface: &Surface<'_>, growth: &Growth, threshold: f32, par: Par
     keys.into_iter().map(|key| key as u32).collect()
 }
 
-/// Returns those of these vertices, in their order, that are at least `least` from all taken
-/// before.
+/// Returns those of these vertices, in their order, whose stretched distance from all taken before
+/// is at least `least`.
 fn apart(surface: &Surface<'_>, candidates: &[u32], least: f64) -> Vec<u32> {
+    let near = |v: u32, w: u32| {
+        let away = distance(surface.position(v), surface.position(w));
+        away * surface.stretch.between(v, w) < least
+    };
     let mut taken: Vec<u32> = Vec::new();
-    // For each box of this size the last vertex taken in it, and for each taken vertex the previous
-    // one in its box.
-    let mut boxes: HashMap<u64, u32, BuildHasherDefault<Multiply>> = HashMap::default();
+    // For each taken vertex the previous one in its box.
     let mut before: Vec<u32> = Vec::new();
-    let place = |p: [f64; 3]| p.map(|x| (x / least).floor() as i64);
+    let mut layers = Layers::new(surface.stretch.range(), least);
     // Neighbours in the list are neighbours in space: the sample that covered the last vertex often
     // covers this one.
-    let mut cover: Option<[f64; 3]> = None;
+    let mut cover: Option<u32> = None;
     for &v in candidates {
-        let p = surface.position(v);
-        if cover.is_some_and(|q| distance(p, q) < least) {
+        if cover.is_some_and(|w| near(v, w)) {
             continue;
         }
-        let middle = place(p);
-        let covering = NEIGHBOURHOOD.iter().find_map(|step| {
-            let key = key([0, 1, 2].map(|k| middle[k].wrapping_add(step[k])));
-            let mut at = boxes.get(&key).copied();
-            while let Some(number) = at {
-                let q = surface.position(taken[number as usize]);
-                if distance(p, q) < least {
-                    return Some(q);
+        let p = surface.position(v);
+        let covering = layers.all.iter().find_map(|layer| {
+            let middle = layer.place(p);
+            NEIGHBOURHOOD.iter().find_map(|step| {
+                let key = key([0, 1, 2].map(|k| middle[k].wrapping_add(step[k])));
+                let mut at = layer.boxes.get(&key).copied();
+                while let Some(number) = at {
+                    let w = taken[number as usize];
+                    if near(v, w) {
+                        return Some(w);
+                    }
+                    at = Some(before[number as usize]).filter(|&number| number != NONE);
                 }
-                at = Some(before[number as usize]).filter(|&number| number != NONE);
-            }
-            None
+                None
+            })
         });
-        cover = covering.or(Some(p));
+        cover = covering.or(Some(v));
         if covering.is_none() {
             let number = taken.len() as u32;
-            before.push(boxes.insert(key(middle), number).unwrap_or(NONE));
+            let layer = layers.of(surface.stretch.at(v));
+            let key = key(layer.place(p));
+            before.push(layer.boxes.insert(key, number).unwrap_or(NONE));
             taken.push(v);
         }
     }
     taken
+}
+
+/// Taken vertices in boxes: a layer for those whose stretches are within a factor of two.
+struct Layers {
+    all: Vec<Layer>,
+    /// The least stretch.
+    first: f64,
+}
+
+/// Boxes as large as the largest distance of a vertex that one in them covers.
+struct Layer {
+    side: f64,
+    /// For each box the last vertex taken in it.
+    boxes: HashMap<u64, u32, BuildHasherDefault<Multiply>>,
+}
+
+impl Layers {
+    fn new([first, last]: [f64; 2], least: f64) -> Self {
+        let count = 1 + (last / first).log2().max(0.0) as i32;
+        // A vertex with a small stretch is covered at up to twice the distance.
+        let reach = if count == 1 { 1.0 } else { 2.0 };
+        let side = |layer: i32| reach * least / (first * 2f64.powi(layer));
+        let layer = |layer| Layer { side: side(layer), boxes: HashMap::default() };
+        Self { all: (0..count).map(layer).collect(), first }
+    }
+
+    /// Returns the layer of vertices with this stretch.
+    fn of(&mut self, stretch: f64) -> &mut Layer {
+        let last = self.all.len() - 1;
+        &mut self.all[((stretch / self.first).log2().max(0.0) as usize).min(last)]
+    }
+}
+
+impl Layer {
+    fn place(&self, p: [f64; 3]) -> [i64; 3] {
+        p.map(|x| (x / self.side).floor() as i64)
+    }
 }
 
 const NONE: u32 = u32::MAX;

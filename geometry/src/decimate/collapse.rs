@@ -10,8 +10,8 @@ use super::patch::Patch;
 use crate::mesh::vector::Vector;
 use catamaran::base::{Result, spend};
 
-/// Largest distance of the ends of a collapsed edge from the new faces, relative to the mean
-/// length.
+/// Largest stretched distance of the ends of a collapsed edge from the new faces, relative to the
+/// mean stretched length.
 const LOSS: f64 = 0.15;
 
 /// Operations that deciding about a collapse is equal to.
@@ -53,18 +53,18 @@ pub(super) fn reduce(patch: &mut Patch, n: usize) -> Result<usize> {
 /// The restrictions of a collapse, besides the topology, which never changes.
 #[derive(Debug, Clone, Copy)]
 enum Care {
-    /// No face turns over, neither end is farther than this from the new faces, and no new
-    /// intersections of faces arise.
+    /// No face turns over, neither end is farther than this, stretched, from the new faces, and no
+    /// new intersections of faces arise.
     Shape(f64),
     /// No new intersections of faces arise.
     Intersections,
     Topology,
 }
 
-/// Returns a key in the order of lengths, which are not negative, so that their bits have the order
-/// of the numbers.
+/// Returns a key in the order of stretched lengths, which are not negative, so that their bits have
+/// the order of the numbers.
 fn key(patch: &Patch, a: u32, b: u32) -> u64 {
-    patch.length(a, b).to_bits()
+    patch.stretched(a, b).to_bits()
 }
 
 /// Collapses the edge, if possible, into its middle, otherwise into an end, or into its end on the
@@ -87,7 +87,7 @@ fn collapse(patch: &mut Patch, a: u32, b: u32, care: Care) -> Option<u32> {
         Care::Shape(loss) => {
             patch.stays_upright(a, Some(b), at)
                 && patch.stays_upright(b, Some(a), at)
-                && loss_of_collapse(patch, a, b, at) <= loss
+                && loss_of_collapse(patch, a, b, at) * patch.stretch_of([a, b]) <= loss
                 && allows_collapse(patch, a, b, at)
         }
         Care::Intersections => allows_collapse(patch, a, b, at),
@@ -98,15 +98,15 @@ fn collapse(patch: &mut Patch, a: u32, b: u32, care: Care) -> Option<u32> {
     Some(b)
 }
 
-/// Thresholds of short and of long edges, relative to the mean length. In measurements, exchanges
-/// do not come to rest with thresholds nearer to 1.
+/// Thresholds of short and of long edges, relative to the mean stretched length. In measurements,
+/// exchanges do not come to rest with thresholds nearer to 1.
 const SHORT: f64 = 0.78;
 const LONG: f64 = 1.3;
 
 /// Collapses short edges and splits as many long ones: vertices move from dense to sparse regions.
 pub(super) fn exchange(patch: &mut Patch) -> Result<()> {
     let edges: Vec<(f64, [u32; 2])> =
-        patch.edges().into_iter().map(|[a, b]| (patch.length(a, b), [a, b])).collect();
+        patch.edges().into_iter().map(|[a, b]| (patch.stretched(a, b), [a, b])).collect();
     let mean = edges.iter().map(|edge| edge.0).sum::<f64>() / edges.len().max(1) as f64;
     let sorted = |wanted: fn(f64) -> bool| {
         let mut some: Vec<_> = edges.iter().copied().filter(|edge| wanted(edge.0 / mean)).collect();
@@ -117,7 +117,7 @@ pub(super) fn exchange(patch: &mut Patch) -> Result<()> {
     let mut pairs = long.iter().rev();
     // Only edges that no earlier exchange has touched.
     let untouched = |patch: &Patch, &(was, [a, b]): &(f64, [u32; 2])| {
-        patch.sides(a, b).is_some() && patch.length(a, b) == was
+        patch.sides(a, b).is_some() && patch.stretched(a, b) == was
     };
     for edge in &short {
         spend(TRIED)?;

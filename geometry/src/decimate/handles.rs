@@ -15,14 +15,14 @@ const TRIED: f64 = 200.0;
 
 /// Cuts narrow handles where a loop of three edges goes around them, closes both ends with a face,
 /// and collapses edges to restore the number of vertices, as far as possible. `length` is the
-/// length of an edge of the result.
+/// stretched length of an edge of the result.
 pub(super) fn cut_narrow_handles(patch: &mut Patch, length: f64) -> Result<()> {
     let n = patch.count;
     loop {
         let mut cut = false;
         for [a, b] in patch.edges() {
             spend(TRIED)?;
-            if patch.length(a, b) > NARROW * length / 2.0 {
+            if patch.stretched(a, b) > NARROW * length / 2.0 {
                 continue; // no loop of that length has a longer edge
             }
             while let Some(c) = narrow_loop(patch, a, b, NARROW * length) {
@@ -48,7 +48,7 @@ fn narrow_loop(patch: &Patch, a: u32, b: u32, longest: f64) -> Option<u32> {
     let filled = [sides.first, second].map(|f| patch.opposite(f, a, b));
     let of_b = patch.neighbours(b);
     let candidates = patch.neighbours(a).into_iter().filter(|c| {
-        let loop_length = patch.length(a, b) + patch.length(b, *c) + patch.length(*c, a);
+        let loop_length = patch.stretched(a, b) + patch.stretched(b, *c) + patch.stretched(*c, a);
         of_b.contains(c) && !filled.contains(c) && loop_length < longest
     });
     let inside = |&c: &u32| {

@@ -7,7 +7,8 @@ use crate::mesh::vector::{Vector, distance, scale};
 use catamaran::base::Result;
 
 /// Moves each sample to the vertex of its cell nearest to the centroid of the cell, and grows cells
-/// again. `areas` are the areas of the vertices. Samples for which `stays` holds do not move.
+/// again. `areas` are the weights of the vertices, such as their areas. Samples for which `stays`
+/// holds do not move.
 pub(super) fn pass(
     surface: &Surface<'_>,
     growth: &mut Growth,

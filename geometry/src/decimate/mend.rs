@@ -16,7 +16,7 @@ use catamaran::base::{Par, Progress, Result};
 /// Number of vertices that one thread processes at a time.
 const BLOCK: usize = 128;
 
-/// Size of gaps, relative to the mean edge, below which they stay.
+/// Size of gaps, stretched and relative to the mean stretched edge, below which they stay.
 const FINE: f64 = 0.3;
 
 /// Largest number of vertices at which gaps of sizes within a factor of two are repaired: a share
@@ -65,7 +65,7 @@ fn part((part, more): (f64, usize), n: usize) -> usize {
     (part * n as f64) as usize + more
 }
 
-/// Repairs gaps of size `least`, with at most `splits` splits.
+/// Repairs gaps of stretched size `least`, with at most `splits` splits.
 fn mend_with(
     gaps: &Gaps<'_, '_>,
     quadrics: &Quadrics<'_, '_>,
@@ -75,7 +75,10 @@ fn mend_with(
     par: Par,
     progress: Progress<'_>,
 ) -> Result<()> {
-    let size_at = |patch: &Patch, v| widest_at(gaps, patch, v, least).map_or(0.0, |gap| gap.size);
+    let size_at = |patch: &Patch, v| {
+        let stretch = patch.stretch_at(v);
+        widest_at(gaps, patch, v, least / stretch).map_or(0.0, |gap| gap.size * stretch)
+    };
     let blocks = par.map_blocks(patch.positions().len(), BLOCK, |range| {
         range.map(|v| size_at(patch, v as u32)).collect::<Vec<_>>()
     });
@@ -98,14 +101,12 @@ fn mend_with(
             tries -= 1;
         }
         sizes[v as usize] = 0.0;
-        let Some(gap) = widest_at(gaps, patch, v, least) else { continue };
+        let stretch = patch.stretch_at(v);
+        let Some(gap) = widest_at(gaps, patch, v, least / stretch) else { continue };
+        let regular = REGULAR * least / (gap.size * stretch);
         let count = patch.count;
-        let Some(changed) =
-            Mending { gaps, quadrics, patch, gap, regular: REGULAR * least / gap.size }
-                .run(splits > 0)
-        else {
-            continue;
-        };
+        let mending = Mending { gaps, quadrics, patch, gap, regular }.run(splits > 0);
+        let Some(changed) = mending else { continue };
         splits -= patch.count - count;
         sizes.resize(patch.positions().len(), 0.0);
         let mut near: Vec<u32> = changed.iter().flat_map(|&v| patch.neighbours(v)).collect();

@@ -9,6 +9,8 @@ mod carry;
 mod cells;
 mod closest;
 mod collapse;
+mod curvature;
+mod density;
 mod difference;
 mod dual;
 mod farthest;
@@ -42,6 +44,7 @@ mod topology;
 mod within;
 
 pub use cells::Cells;
+pub use curvature::curvature_density;
 pub use difference::Difference;
 pub use farthest::FarthestPoints;
 pub use options::{DecimateOptions, Method};

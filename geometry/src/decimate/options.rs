@@ -58,6 +58,15 @@ options! {
         /// (`resample`; [`Decimation::lost_edges`](super::Decimation::lost_edges) counts
         /// those). n must be at least their number. Not with [`Method::Thesis`].
         locked: &'a [u32] = &[];
+        /// Vertices of the result per area, relative to elsewhere: one number for each vertex of
+        /// the input, all positive, at most 10^12 times the least; only ratios count. Between
+        /// vertices, the square root is linear. Empty: the same everywhere. Not with
+        /// [`Method::Thesis`].
+        density: &'a [f64] = &[];
+        /// Largest ratio of the numbers of vertices per area where the surface bends most and where
+        /// it is flat; 1: the same everywhere. `density` is multiplied by
+        /// [`curvature_density`](super::curvature_density). Not with [`Method::Thesis`].
+        curvature: f64 = 1.0, check(from 1.0 to 1e6);
         /// Threads. Their number does not change the result.
         par: Par = Par::all();
         /// Callback for progress, which may cancel.

@@ -52,6 +52,7 @@ pub(super) fn along_curve(mesh: &TriMesh) -> Result<Ordered> {
 /// # Errors
 /// As [`along_curve`].
 pub(super) fn pack(patch: Patch) -> Result<Patch> {
+    let stretch = patch.stretch.clone();
     let Compact { positions, anchors, locked, kept, faces, .. } = patch.compact();
     let Ordered { mesh, vertices, .. } = along_curve(&TriMesh::new(positions, faces)?)?;
     let locked = vertices.iter().map(|&v| locked[v as usize]).collect();
@@ -59,6 +60,7 @@ pub(super) fn pack(patch: Patch) -> Result<Patch> {
     let (positions, faces) = mesh.into_parts();
     let mut packed = Patch::new(positions, anchors, faces);
     packed.lock(locked, kept);
+    packed.stretch = stretch;
     Ok(packed)
 }
 

@@ -3,6 +3,7 @@
 
 use std::collections::HashSet;
 
+use super::density::Stretch;
 use crate::mesh::intersections::{Bounds, BoxTree, Corners};
 use crate::mesh::vector::{Vector, distance, dot, doubled_normal, middle, unit};
 
@@ -34,6 +35,8 @@ pub(super) struct Patch {
     pub locked: Vec<bool>,
     /// Edges between the anchors of locked vertices that stay.
     kept: Kept,
+    /// By what lengths are longer, at vertices of the input.
+    pub stretch: Stretch,
     pub faces: Vec<[u32; 3]>,
     /// For each vertex its faces; empty for a removed vertex.
     around: Vec<Vec<u32>>,
@@ -61,8 +64,18 @@ impl Patch {
         let on_boundary = vec![false; positions.len()];
         let (locked, kept) = (vec![false; positions.len()], Kept::new());
         let tree = BoxTree::new(0, |_| None);
-        let mut patch =
-            Self { positions, anchors, on_boundary, locked, kept, faces, around, count, tree };
+        let mut patch = Self {
+            positions,
+            anchors,
+            on_boundary,
+            locked,
+            kept,
+            stretch: Stretch::default(),
+            faces,
+            around,
+            count,
+            tree,
+        };
         for v in 0..patch.positions.len() as u32 {
             let neighbours = patch.neighbours(v);
             patch.on_boundary[v as usize] = neighbours.len() > patch.around[v as usize].len();
@@ -211,10 +224,10 @@ impl Patch {
         edges
     }
 
-    /// Returns the mean length of all edges; 0 without edges.
+    /// Returns the mean stretched length of all edges; 0 without edges.
     pub fn mean_length(&self) -> f64 {
         let edges = self.edges();
-        let total: f64 = edges.iter().map(|&[a, b]| self.length(a, b)).sum();
+        let total: f64 = edges.iter().map(|&[a, b]| self.stretched(a, b)).sum();
         total / edges.len().max(1) as f64
     }
 
@@ -231,6 +244,24 @@ impl Patch {
     /// Returns the length of the edge from a to b.
     pub fn length(&self, a: u32, b: u32) -> f64 {
         distance(self.positions[a as usize], self.positions[b as usize])
+    }
+
+    /// Returns the factor by which lengths at v are longer for their comparison with others.
+    pub fn stretch_at(&self, v: u32) -> f64 {
+        self.stretch.at(self.anchors[v as usize])
+    }
+
+    /// Returns the mean of these factors at the ends of an edge or the corners of a face.
+    pub fn stretch_of<const N: usize>(&self, vertices: [u32; N]) -> f64 {
+        match self.stretch.factors() {
+            None => 1.0,
+            Some(_) => vertices.map(|v| self.stretch_at(v)).iter().sum::<f64>() / N as f64,
+        }
+    }
+
+    /// Returns the stretched length of the edge from a to b.
+    pub fn stretched(&self, a: u32, b: u32) -> f64 {
+        self.length(a, b) * self.stretch_of([a, b])
     }
 
     /// Returns twice the area of a face times its normal.

@@ -16,6 +16,8 @@ pub(super) struct Prepared<'m> {
     pub vertices: Option<Vec<u32>>,
     /// For each face of the surface, the face of the input; `None` if they are the same.
     pub faces: Option<Vec<u32>>,
+    /// With a density, the vertices between which each one that was added is; these come last.
+    pub origins: Vec<[u32; 4]>,
     pub repairs: Repairs,
 }
 
@@ -23,16 +25,19 @@ pub(super) struct Prepared<'m> {
 const NEW: u32 = u32::MAX;
 
 impl Prepared<'_> {
-    /// Returns the surface with edges no longer than `longest`; the existing vertices keep their
-    /// indices.
+    /// Returns the surface with edges whose stretched lengths are at most `longest`; the existing
+    /// vertices keep their indices.
     pub fn refined(
         &self,
         longest: f64,
         par: Par,
         progress: Progress<'_>,
     ) -> Result<Prepared<'static>> {
-        let Prepared { surface, vertices, faces, repairs } = self;
-        let Resampled { mesh, parents } = resample_with(&surface.mesh, longest, progress)?;
+        let Prepared { surface, vertices, faces, origins, repairs } = self;
+        let stretch = surface.stretch.factors();
+        let (resampled, stretched) = resample_with(&surface.mesh, longest, stretch, progress)?;
+        let Resampled { mesh, parents } = resampled;
+        let added = stretched.map_or_else(Vec::new, |stretched| stretched.origins);
         let of_input = |v: u32| match vertices {
             Some(vertices) => vertices.get(v as usize).copied().unwrap_or(NEW),
             None => Some(v).filter(|&v| (v as usize) < surface.len()).unwrap_or(NEW),
@@ -44,6 +49,7 @@ impl Prepared<'_> {
                 None => parents,
             }),
             surface: Surface::new(Cow::Owned(mesh), par)?,
+            origins: [origins.as_slice(), &added].concat(),
             repairs: *repairs,
         })
     }
@@ -77,7 +83,7 @@ fn whole(surface: Surface<'_>, par: Par) -> Result<Prepared<'_>> {
     let unreferenced = (0..surface.len() as u32).filter(|&v| surface.links(v).is_empty()).count();
     let mut repairs = Repairs { unreferenced_vertices: unreferenced, ..Repairs::default() };
     let surface = oriented(surface, &mut repairs, par)?;
-    Ok(Prepared { surface, vertices: None, faces: None, repairs })
+    Ok(Prepared { surface, vertices: None, faces: None, origins: Vec::new(), repairs })
 }
 
 /// Returns the surface with faces flipped so that they agree; parts that are not orientable stay.
@@ -94,5 +100,6 @@ fn oriented<'m>(surface: Surface<'m>, repairs: &mut Repairs, par: Par) -> Result
 fn cut(mesh: &TriMesh, par: Par) -> Result<Prepared<'static>> {
     let (part, mut repairs) = manifold(mesh)?;
     let surface = oriented(Surface::new(Cow::Owned(part.mesh), par)?, &mut repairs, par)?;
-    Ok(Prepared { surface, vertices: Some(part.vertices), faces: Some(part.faces), repairs })
+    let (vertices, faces) = (Some(part.vertices), Some(part.faces));
+    Ok(Prepared { surface, vertices, faces, origins: Vec::new(), repairs })
 }

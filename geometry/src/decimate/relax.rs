@@ -216,24 +216,26 @@ fn target(
     }
     let mut sum = [0.0; 3];
     let mut normals = [0.0; 3];
-    let mut weight = 0.0;
+    let (mut weight, mut shares) = (0.0, 0.0);
     for &f in patch.around(v) {
         let face = patch.faces[f as usize];
         let [a, b, c] = face.map(|v| patch.position(v));
         let doubled = patch.normal(face);
         let area = norm(doubled);
+        let share = area * patch.stretch_of(face).powi(BALANCE);
         for k in 0..3 {
-            sum[k] += area * (a[k] + b[k] + c[k]) / 3.0;
+            sum[k] += share * (a[k] + b[k] + c[k]) / 3.0;
             normals[k] += doubled[k];
         }
         weight += area;
+        shares += share;
     }
     if weight <= 0.0 {
         return on_surface(surface, anchor, here);
     }
     let normal = unit(normals);
     let step = match aim {
-        Aim::Regular => sub(scale(sum, 1.0 / weight), here),
+        Aim::Regular => sub(scale(sum, 1.0 / shares), here),
         Aim::Even => sub(even_target(patch, v, here), here),
     };
     let out = dot(step, normal);
@@ -256,7 +258,8 @@ fn target(
 /// faces have by far the largest weights.
 fn even_target(patch: &Patch, v: u32, here: Vector) -> Vector {
     let faces = patch.around(v).iter().map(|&f| patch.faces[f as usize]);
-    let areas: Vec<f64> = faces.clone().map(|face| norm(patch.normal(face))).collect();
+    let stretched = |face| norm(patch.normal(face)) * patch.stretch_of(face).powi(2);
+    let areas: Vec<f64> = faces.clone().map(stretched).collect();
     let largest = areas.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
     let mut sum = [0.0; 3];
     let mut weight = 0.0;
@@ -271,6 +274,10 @@ fn even_target(patch: &Patch, v: u32, here: Vector) -> Vector {
     }
     std::array::from_fn(|k| here[k] + EVEN_STEP * (sum[k] / weight - here[k]))
 }
+
+/// Power of the stretch by which faces have weights besides their areas: where triangles on both
+/// sides of a vertex differ in size only, area times distance grows with the cube of the size.
+const BALANCE: i32 = 3;
 
 /// Ratio of the sum of normals to the sum of areas below which moving a vertex may lose detail.
 const FLAT: f64 = 0.95;
@@ -292,9 +299,12 @@ fn boundary_target(patch: &Patch, v: u32, here: Vector) -> Option<Vector> {
         .neighbours(v)
         .into_iter()
         .filter(|&w| patch.sides(v, w).is_some_and(|sides| sides.second.is_none()));
-    let [a, b] = [ends.next()?, ends.next()?].map(|w| patch.position(w));
+    let ends = [ends.next()?, ends.next()?];
+    let [a, b] = ends.map(|w| patch.position(w));
     if dot(unit(sub(here, a)), unit(sub(b, here))) < CORNER {
         return None;
     }
-    Some(std::array::from_fn(|k| 0.5 * here[k] + 0.25 * (a[k] + b[k])))
+    let [s, t] = ends.map(|w| patch.stretch_of([v, w]));
+    let [s, t] = [s, t].map(|x| 0.5 * x / (s + t));
+    Some(std::array::from_fn(|k| 0.5 * here[k] + (s * a[k] + t * b[k])))
 }

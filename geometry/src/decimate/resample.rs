@@ -1,6 +1,6 @@
 //! Splits long edges before a mesh is sampled (thesis, algorithm 5.3).
 
-use super::splits::Splits;
+use super::splits::{Splits, Stretched};
 use super::strips::{cut_strip, slender};
 use crate::mesh::TriMesh;
 use crate::mesh::vector::{distance, doubled_normal, norm};
@@ -37,7 +37,7 @@ pub struct Resampled {
 /// [`Error::Argument`] when `longest` is not positive, or so small that there would be too many
 /// vertices.
 pub fn resample(mesh: &TriMesh, longest: f64) -> Result<Resampled> {
-    resample_with(mesh, longest, Progress::none())
+    Ok(resample_with(mesh, longest, None, Progress::none())?.0)
 }
 
 /// Most parts of a face that is no strip and is split once.
@@ -46,16 +46,19 @@ const PARTS: usize = 5;
 /// Bytes of a face, of its share of the vertices and of its parent.
 const BYTES_OF_A_FACE: f64 = 28.0;
 
+/// As [`resample`], for lengths with a `stretch`, the factors at the vertices, which is also
+/// returned for the new ones.
 pub(super) fn resample_with(
     mesh: &TriMesh,
     longest: f64,
+    stretch: Option<&[f64]>,
     progress: Progress<'_>,
-) -> Result<Resampled> {
+) -> Result<(Resampled, Option<Stretched>)> {
     if longest.is_nan() || longest <= 0.0 {
         let why = format!("must be positive, is {longest}");
         return Err(Error::Argument { what: "longest", why });
     }
-    let least = least_faces(mesh, longest);
+    let least = least_faces(mesh, longest, stretch);
     if least > f64::from(u32::MAX) {
         let why =
             format!("{longest:e} needs at least {least:.1e} faces, more than a mesh can have");
@@ -65,7 +68,7 @@ pub(super) fn resample_with(
     check_request("longest", request, least * BYTES_OF_A_FACE)?;
     let mut faces = mesh.faces().to_vec();
     let mut parents: Vec<u32> = (0..faces.len() as u32).collect();
-    let mut splits = Splits::new(mesh.vertices().to_vec(), longest);
+    let mut splits = Splits::new(mesh.vertices().to_vec(), longest, stretch);
     let mut open: Vec<u32> =
         (0..).zip(&faces).filter(|(_, face)| splits.has_long(**face)).map(|f| f.0).collect();
     for round in 1.. {
@@ -97,17 +100,22 @@ pub(super) fn resample_with(
         next.sort_unstable();
         open = next;
     }
-    Ok(Resampled { mesh: TriMesh::new(splits.vertices, faces)?, parents })
+    Ok((Resampled { mesh: TriMesh::new(splits.vertices, faces)?, parents }, splits.stretched))
 }
 
 /// Returns a lower bound of the number of faces without longer edges, of which one has at most the
 /// area of an equilateral triangle, and one is at each part of an edge.
-fn least_faces(mesh: &TriMesh, longest: f64) -> f64 {
+fn least_faces(mesh: &TriMesh, longest: f64, stretch: Option<&[f64]>) -> f64 {
     let largest = longest * longest * 3f64.sqrt() / 4.0;
     let of_face = |face: &[u32; 3]| {
         let [a, b, c] = face.map(|v| mesh.vertices()[v as usize]);
         let length = distance(a, b).max(distance(b, c)).max(distance(c, a));
-        (0.5 * norm(doubled_normal([a, b, c])) / largest).max(length / longest).max(1.0)
+        let least = |factors: &[f64]| {
+            face.iter().fold(f64::INFINITY, |least, &v| least.min(factors[v as usize]))
+        };
+        let factor = stretch.map_or(1.0, least);
+        let area = 0.5 * norm(doubled_normal([a, b, c])) * factor * factor;
+        (area / largest).max(length * factor / longest).max(1.0)
     };
     mesh.faces().iter().map(of_face).sum()
 }

@@ -7,6 +7,8 @@ use super::batches::add_samples;
 use super::cells::{Cells, Growth, Seed};
 use super::closest::nearest;
 use super::collapse::reduce;
+use super::curvature::curvature_density;
+use super::density::{Stretch, check_density};
 use super::farthest::{Sampler, first_sample, without_face};
 use super::gaps::Gaps;
 use super::locks::{Locks, check_number};
@@ -21,6 +23,7 @@ use super::relax::relax;
 use super::resolve::resolve;
 use super::result::Decimation;
 use super::size::edge_length_for;
+use super::splits::mean_of;
 use super::surface::Surface;
 use super::topology::{Component, components, topology};
 use super::{dual, lloyd};
@@ -88,6 +91,8 @@ struct Source<'m> {
 impl<'m> Source<'m> {
     fn new(mesh: Cow<'m, TriMesh>, options: &DecimateOptions<'_>) -> Result<Self> {
         let given = mesh.vertices().len();
+        options.check_ranges()?;
+        check_density(options.density, given)?;
         let prepared = prepare(mesh, options.method == Method::Uniform, options.par)?;
         let has_face = |v: &u32| !prepared.surface.links(*v).is_empty();
         let first = match (options.first, &prepared.vertices) {
@@ -114,10 +119,33 @@ impl<'m> Source<'m> {
             let why = "the method of the thesis locks no vertices".into();
             return Err(Error::Argument { what: "locked", why });
         }
+        for (what, is_set) in
+            [("density", !options.density.is_empty()), ("curvature", options.curvature != 1.0)]
+        {
+            if options.method == Method::Thesis && is_set {
+                let why = "the method of the thesis has the same density everywhere".into();
+                return Err(Error::Argument { what, why });
+            }
+        }
         let locks = Locks::new(&prepared, options.locked, given)?;
         let sampler = Sampler::empty(&prepared.surface, options.par)?;
         let area = prepared.surface.mesh.area();
         Ok(Self { prepared, area, components, locks, sampler })
+    }
+
+    /// Measures the surface in lengths for these densities at the vertices of the input, `None` if
+    /// they are the same everywhere.
+    fn stretch(&mut self, density: Option<&[f64]>) {
+        let Prepared { surface, vertices, origins, .. } = &mut self.prepared;
+        let Some(density) = density else { return surface.measure(Stretch::default()) };
+        let given = (0..surface.len() - origins.len())
+            .map(|v| vertices.as_ref().map_or(v, |vertices| vertices[v] as usize));
+        let mut roots: Vec<f64> = given.map(|v| density[v].sqrt()).collect();
+        for &of in origins.iter() {
+            roots.push(mean_of(&roots, of));
+        }
+        let stretch = Stretch::new(&surface.mesh, roots);
+        surface.measure(stretch);
     }
 
     /// Returns the samples with which all results begin: one in each component, and the locked
@@ -155,7 +183,8 @@ impl<'m, 'o> Decimator<'m, 'o> {
     /// # Errors
     /// [`Error::Mesh`] for a mesh without faces, with lengths out of range, or with a vertex that
     /// can't be cut to a manifold; [`Error::Argument`] when no face has vertex `options.first` or
-    /// one of `options.locked`; [`Error::OutOfMemory`].
+    /// one of `options.locked`, or `options.density` or `options.curvature` is out of range;
+    /// [`Error::OutOfMemory`].
     pub fn new(mesh: &'m TriMesh, options: &DecimateOptions<'o>) -> Result<Self> {
         let source = Source::new(Cow::Borrowed(mesh), options)?;
         Ok(Self { input: mesh, options: *options, source })
@@ -176,8 +205,10 @@ impl<'m, 'o> Decimator<'m, 'o> {
     fn decimate_watched(&mut self, n: usize, progress: Progress<'_>) -> Result<Decimation> {
         progress.report(0.0)?;
         self.check(n)?;
-        if self.resamples() {
-            self.resample_for(n, progress.part(0.0..0.2))?;
+        let density = self.density(n)?;
+        self.source.stretch(density.as_deref());
+        if self.resamples() && self.resample_for(n, progress.part(0.0..0.2))? {
+            self.source.stretch(density.as_deref());
         }
         let decimation = match self.options.method {
             Method::Uniform => self.uniform(n, progress.part(0.2..1.0))?,
@@ -187,20 +218,35 @@ impl<'m, 'o> Decimator<'m, 'o> {
         Ok(decimation)
     }
 
+    /// Returns the density of vertices at each vertex of the input; `None` if it is the same
+    /// everywhere.
+    fn density(&self, n: usize) -> Result<Option<Vec<f64>>> {
+        let given = self.options.density;
+        if self.options.curvature > 1.0 {
+            let mut density = curvature_density(self.input, n, self.options.curvature)?;
+            density.iter_mut().zip(given).for_each(|(density, given)| *density *= given);
+            return Ok(Some(density));
+        }
+        let varies = given.iter().any(|&density| density != given[0]);
+        Ok(varies.then(|| given.to_vec()))
+    }
+
     fn resamples(&self) -> bool {
         self.options.resample && self.options.method == Method::Uniform
     }
 
     /// Splits edges longer than those of the result, because samples could not be spread over them.
-    fn resample_for(&mut self, n: usize, progress: Progress<'_>) -> Result<()> {
+    /// Returns whether there are such edges.
+    fn resample_for(&mut self, n: usize, progress: Progress<'_>) -> Result<bool> {
         let Source { prepared, area, sampler, .. } = &mut self.source;
         let par = self.options.par;
-        let Ok(length) = edge_length_for(*area, n) else { return Ok(()) };
-        if prepared.surface.longest_edge(par) > length {
+        let Ok(length) = edge_length_for(*area, n) else { return Ok(false) };
+        let splits = prepared.surface.longest_edge(par) > length;
+        if splits {
             *prepared = prepared.refined(FINE * length, par, progress)?;
             sampler.move_to(&prepared.surface, par)?;
         }
-        Ok(())
+        Ok(splits)
     }
 
     fn check(&self, n: usize) -> Result<()> {
@@ -265,7 +311,11 @@ impl<'m, 'o> Decimator<'m, 'o> {
         // Cells are about as large as the area that belongs to a sample.
         let radius = (area / n as f64).sqrt() / surface.scale;
         let cutoff = radius as f32;
-        let areas = if self.options.lloyd > 0 { vertex_areas(&surface.mesh) } else { Vec::new() };
+        let mut areas =
+            if self.options.lloyd > 0 { vertex_areas(&surface.mesh) } else { Vec::new() };
+        // Cells are as large as a density of centroids to the power -1/2 (Du, Faber and Gunzburger,
+        // Centroidal Voronoi Tessellations, 1999).
+        (0..).zip(&mut areas).for_each(|(v, area)| *area *= surface.stretch.at(v).powi(4));
         for pass in 0..self.options.lloyd {
             progress.part(0.4..0.6).report(pass as f64 / self.options.lloyd as f64)?;
             let stays = |v: u32| locks.contains(v);
@@ -314,6 +364,8 @@ impl<'m, 'o> Decimator<'m, 'o> {
         let locks = [locks.vertices.len(), locks.edges.len(), locks.lost_edges(&compact)];
         let Compact { positions, anchors, on_boundary: on_rim, faces, .. } = compact;
         let mesh = TriMesh::new(positions, faces)?;
+        prepared.surface.measure(Stretch::default());
+        let surface = &prepared.surface;
         let places: Vec<SurfacePoint> = (0..n)
             .map(|v| {
                 let p = mesh.vertices()[v];
@@ -337,7 +389,7 @@ impl<'m, 'o> Decimator<'m, 'o> {
         mut places: Vec<SurfacePoint>,
         [locked, locked_edges, lost_edges]: [usize; 3],
     ) -> Result<Decimation> {
-        let Prepared { surface, vertices, faces, repairs } = &self.source.prepared;
+        let Prepared { surface, vertices, faces, repairs, .. } = &self.source.prepared;
         for (place, &p) in places.iter_mut().zip(mesh.vertices()) {
             let mut face = place.face;
             if let Some(faces) = faces {
@@ -391,6 +443,7 @@ fn dual_patch(
     let mut patch = Patch::new(positions, samples.to_vec(), faces);
     let locked = samples.iter().map(|&v| locks.contains(v)).collect();
     patch.lock(locked, locks.edges.clone());
+    patch.stretch = surface.stretch.clone();
     let mut nearest = vec![f32::INFINITY; samples.len()];
     for v in (0..surface.len() as u32).filter(|&v| surface.on_boundary[v as usize]) {
         let (cell, distance) = (growth.cell(v) as usize, growth.distance(v));

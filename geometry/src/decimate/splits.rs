@@ -11,11 +11,26 @@ use catamaran::base::{Error, Result, push, spend};
 /// Operations that splitting an edge is equal to.
 const SPLIT: f64 = 500.0;
 
+/// The stretch of a mesh whose edges are split.
+pub(super) struct Stretched {
+    /// The factor at each vertex.
+    factors: Vec<f64>,
+    /// The vertices between which each new one is.
+    pub origins: Vec<[u32; 4]>,
+}
+
+/// Returns the factor at a new vertex between these.
+pub(super) fn mean_of(factors: &[f64], of: [u32; 4]) -> f64 {
+    0.25 * of.iter().map(|&v| factors[v as usize]).sum::<f64>()
+}
+
 /// The vertices of a mesh whose edges are split in their middle until none is longer than a bound.
 pub(super) struct Splits {
     pub vertices: Vec<Vector>,
     /// The longest edge that stays.
     pub longest: f64,
+    /// By what lengths are longer; `None` where they are not.
+    pub stretched: Option<Stretched>,
     /// By the lower end, shifted by 32 bits, and the upper one.
     middles: HashMap<u64, u32, BuildHasherDefault<Multiply>>,
     /// Whether middles are needed in later rounds: the side of a strip is split to the end at
@@ -25,8 +40,10 @@ pub(super) struct Splits {
 
 impl Splits {
     /// Creates the state before the first round.
-    pub fn new(vertices: Vec<Vector>, longest: f64) -> Self {
-        Self { vertices, longest, middles: HashMap::default(), keeps: false }
+    pub fn new(vertices: Vec<Vector>, longest: f64, stretch: Option<&[f64]>) -> Self {
+        let stretched =
+            stretch.map(|factors| Stretched { factors: factors.to_vec(), origins: Vec::new() });
+        Self { vertices, longest, stretched, middles: HashMap::default(), keeps: false }
     }
 
     /// Forgets the middles of edges that no face has any more.
@@ -50,7 +67,16 @@ impl Splits {
     /// stay as they are.
     pub fn is_long(&self, u: u32, v: u32) -> bool {
         let ends = [u, v].map(|w| self.position(w));
-        distance(ends[0], ends[1]) > self.longest && !ends.contains(&middle(ends[0], ends[1]))
+        distance(ends[0], ends[1]) * self.stretch_of(&[u, v]) > self.longest
+            && !ends.contains(&middle(ends[0], ends[1]))
+    }
+
+    /// Returns the mean factor of lengths at these vertices.
+    pub fn stretch_of(&self, vertices: &[u32]) -> f64 {
+        self.stretched.as_ref().map_or(1.0, |stretched| {
+            let sum: f64 = vertices.iter().map(|&v| stretched.factors[v as usize]).sum();
+            sum / vertices.len() as f64
+        })
     }
 
     /// Returns whether an edge of the face has to be split.
@@ -101,7 +127,7 @@ impl Splits {
             Entry::Occupied(known) => return Ok(*known.get()),
             Entry::Vacant(new) => new,
         };
-        let number = add(&mut self.vertices, &[u, v])?;
+        let number = add(&mut self.vertices, &mut self.stretched, &[u, v])?;
         Ok(*new.insert(number))
     }
 
@@ -111,11 +137,11 @@ impl Splits {
     /// [`Error::Argument`] when there are too many vertices, [`Error::OutOfMemory`],
     /// [`Error::Cancelled`].
     pub fn add(&mut self, of: &[u32]) -> Result<u32> {
-        add(&mut self.vertices, of)
+        add(&mut self.vertices, &mut self.stretched, of)
     }
 }
 
-fn add(vertices: &mut Vec<Vector>, of: &[u32]) -> Result<u32> {
+fn add(vertices: &mut Vec<Vector>, stretched: &mut Option<Stretched>, of: &[u32]) -> Result<u32> {
     spend(SPLIT)?;
     let number = u32::try_from(vertices.len()).ok().filter(|&number| number < u32::MAX / 8);
     let Some(number) = number else {
@@ -126,5 +152,11 @@ fn add(vertices: &mut Vec<Vector>, of: &[u32]) -> Result<u32> {
     let mean = |k: usize| of.iter().map(|&v| share * vertices[v as usize][k]).sum::<f64>();
     let mean = std::array::from_fn(mean);
     push(vertices, mean)?;
+    if let Some(Stretched { factors, origins }) = stretched {
+        // All of four, or both of two twice.
+        let of = std::array::from_fn(|k| of[k % of.len()]);
+        push(factors, mean_of(factors, of))?;
+        push(origins, of)?;
+    }
     Ok(number)
 }

@@ -16,7 +16,8 @@ pub(super) fn slender([a, b, c]: [u32; 3], splits: &Splits) -> Option<[u32; 3]> 
     let sides = turns.map(|face| (splits.length(face[0], face[1]), face));
     let (length, face) = sides.into_iter().reduce(|x, y| if y.0 > x.0 { y } else { x })?;
     let height = norm(doubled_normal(face.map(|v| splits.position(v)))) / length;
-    let is_slender = height <= splits.longest && SLENDER * height < length;
+    let is_slender =
+        height * splits.stretch_of(&face) <= splits.longest && SLENDER * height < length;
     (is_slender && splits.is_long(face[0], face[1])).then_some(face)
 }
 

@@ -3,6 +3,7 @@
 
 use std::borrow::Cow;
 
+use super::density::Stretch;
 use crate::mesh::vector::distance;
 use crate::mesh::{Adjacency, TriMesh};
 use catamaran::base::{Error, Par, Result, reserved};
@@ -17,7 +18,7 @@ pub(super) const SHORTEST: f32 = 1e-30;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Link {
     pub to: u32,
-    /// Length relative to [`Surface::scale`].
+    /// Stretched length relative to [`Surface::scale`].
     pub length: f32,
 }
 
@@ -27,6 +28,8 @@ pub(super) struct Surface<'m> {
     pub faces_of: Adjacency,
     starts: Vec<u32>,
     links: Vec<Link>,
+    /// By what lengths are longer.
+    pub stretch: Stretch,
     /// Whether each vertex is on the boundary, where its first and last edge are boundary edges.
     pub on_boundary: Vec<bool>,
     /// The diagonal of the bounding box, to which lengths are relative, because single precision
@@ -156,7 +159,26 @@ impl<'m> Surface<'m> {
             on_boundary.extend(block.on_boundary);
             oriented &= block.oriented;
         }
-        Ok((Self { mesh, faces_of, starts, links, on_boundary, scale, oriented }, broken))
+        let stretch = Stretch::default();
+        let surface = Self { mesh, faces_of, starts, links, stretch, on_boundary, scale, oriented };
+        Ok((surface, broken))
+    }
+
+    /// Measures all edges with another stretch.
+    pub fn measure(&mut self, stretch: Stretch) {
+        if stretch.factors().is_none() && self.stretch.factors().is_none() {
+            return;
+        }
+        self.stretch = stretch;
+        for v in 0..self.len() as u32 {
+            let here = self.position(v);
+            for i in self.starts[v as usize] as usize..self.starts[v as usize + 1] as usize {
+                let to = self.links[i].to;
+                let length = distance(here, self.position(to)) / self.scale;
+                let length = length * self.stretch.between(v, to);
+                self.links[i].length = (length as f32).max(SHORTEST);
+            }
+        }
     }
 
     /// Returns the edges at a vertex in rotational order.
@@ -171,7 +193,7 @@ impl<'m> Surface<'m> {
         self.on_boundary[v as usize].then_some(ends)
     }
 
-    /// Returns the length of the longest edge, in units of length.
+    /// Returns the stretched length of the longest edge, in units of length.
     pub fn longest_edge(&self, par: Par) -> f64 {
         let blocks = par.map_blocks(self.links.len(), 8 * BLOCK, |range| {
             self.links[range].iter().map(|link| link.length).fold(0.0, f32::max)

@@ -3,6 +3,7 @@
 #[path = "../../../tests/common/inputs.rs"]
 mod common;
 mod decimate;
+mod decimate_density;
 mod decimate_families;
 mod gltf_scenes;
 mod laplacian;

@@ -101,6 +101,8 @@ def decimate(
     cut_narrow_handles: bool = False,
     first: Optional[int] = None,
     locked: ArrayLike = (),
+    density: ArrayLike = (),
+    curvature: float = 1.0,
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> Decimated:
@@ -135,6 +137,12 @@ def decimate(
         Vertices that stay, each once, or a mask of all vertices: they are the first of the
         result, in this order, at exactly the same positions. Edges between them stay, too,
         except for those longer than the edges of the result, of which a warning tells.
+    density : array_like
+        Vertices of the result per area, relative to elsewhere: a positive number for each vertex
+        of the input, of which only ratios count. None: the same everywhere.
+    curvature : float
+        Up to how many times as many vertices per area where the surface bends, such as 16. With
+        `density`, both factors count.
     threads, progress
         As in `ata`.
 
@@ -159,6 +167,8 @@ def decimate(
         "cut_narrow_handles": cut_narrow_handles,
         "first": first,
         "locked": _numbers(locked),
+        "density": np.asarray(density, dtype=np.float64).ravel().tolist(),
+        "curvature": curvature,
         "threads": threads,
     }
     v, f, face, inside, weights, lost = _catamaran.decimate(

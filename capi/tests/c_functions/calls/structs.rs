@@ -74,6 +74,9 @@ fn decimation(choices: &mut Choices<'_>) {
         locked: ptr::null(),
         n_locked: 0,
         uniform: field(choices, "uniform", &[0, 1], &flags, r),
+        density: ptr::null(),
+        n_density: 0,
+        curvature: field(choices, "curvature", &[0.0, 1.0, 9.0], &[0.5, NAN], r),
     };
     let n = if value.keep_edges == 1 || value.method == 1 { 6 } else { choices.pick(&[6, 5, 20]) };
     let params = Params::new(choices, value, refused);
