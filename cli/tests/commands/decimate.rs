@@ -169,7 +169,7 @@ fn densities_come_from_a_file_or_a_scalar_and_are_carried_through_levels() {
     file.scalars.push(Scalars { name: "detail".into(), values: density.clone() });
     let folder = folder("in.vtk", &file);
     let lines: Vec<String> = density.iter().map(f64::to_string).collect();
-    folder.write("density.txt", &format!("# vertices per area\n\n{}\n", lines.join("\n")));
+    folder.write("density.txt", format!("# vertices per area\n\n{}\n", lines.join("\n")));
     for (option, of, name) in [
         ("--density density.txt", DecimateOptions::new().density(&density), "file.ply"),
         ("--density-by detail", DecimateOptions::new().density(&density), "scalar.ply"),

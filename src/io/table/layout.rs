@@ -291,8 +291,8 @@ impl Found<'_> {
         Ok(true)
     }
 
-    /// Returns whether all rows are pairs between commas that are numbers such as 1.234.567,89, with
-    /// points between thousands.
+    /// Returns whether all rows are pairs between commas that are numbers such as 1.234.567,89,
+    /// with points between thousands.
     ///
     /// # Errors
     /// They may also be pairs, as 1.234,89.

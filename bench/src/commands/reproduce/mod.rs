@@ -45,8 +45,8 @@ pub struct Arguments {
     /// Chapter 1, thesis: pairs of each table, at most.
     #[arg(long, default_value_t = 20, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pairs: u32,
-    /// Chapter 8: the most columns of a matrix [default: 7500]; of squares and threads the number of
-    /// columns, one of the thesis' [default: all of them].
+    /// Chapter 8: the most columns of a matrix [default: 7500]; of squares and threads the number
+    /// of columns, one of the thesis' [default: all of them].
     #[arg(long, value_name = "N")]
     side: Option<usize>,
     /// Chapter 8: the rivals, of those that scripts/rivals installed.
