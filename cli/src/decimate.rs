@@ -226,11 +226,11 @@ pub fn run(args: &Args) -> Result<()> {
     let mut levels: Vec<Level> = Vec::new();
     for size in sizes {
         let level = match levels.last() {
-            None => Level::new(args, &input, size, args.first, &locked, density.clone())?,
+            None => Level::new(args, &input, size, args.first, &locked, &density)?,
             Some(before) => {
                 // The locked vertices are the first ones of each level.
                 let stay: Vec<u32> = (0..before.found.locked as u32).collect();
-                Level::new(args, &before.file, size, None, &stay, before.density.clone())?
+                Level::new(args, &before.file, size, None, &stay, &before.density)?
             }
         };
         report_result(args, &input, &level, par)?;
@@ -296,7 +296,7 @@ struct Level {
     found: Decimation,
     /// With what is carried over.
     file: MeshFile,
-    /// At the vertices of the result.
+    /// At the vertices of the result; empty if it is the same everywhere.
     density: Vec<f64>,
     elapsed: Duration,
 }
@@ -309,7 +309,7 @@ impl Level {
         size: Size,
         first: Option<u32>,
         locked: &[u32],
-        density: Vec<f64>,
+        density: &[f64],
     ) -> Result<Self> {
         let bar = Bar::new("decimate");
         let update = |fraction| bar.update(fraction);
@@ -321,7 +321,7 @@ impl Level {
             .cut_narrow_handles(args.cut_handles)
             .first(first)
             .locked(locked)
-            .density(&density)
+            .density(density)
             .curvature(args.curvature)
             .par(args.threads.par())
             .progress(&update);
@@ -338,8 +338,8 @@ impl Level {
         let elapsed = start.elapsed();
         let file = found.carry(from)?;
         let density = match density.is_empty() {
-            true => density,
-            false => found.carry_values(&from.mesh, 1, &density)?,
+            true => Vec::new(),
+            false => found.carry_values(&from.mesh, 1, density)?,
         };
         Ok(Self { found, file, density, elapsed })
     }
@@ -398,11 +398,7 @@ fn density(args: &Args, input: &MeshFile) -> Result<Vec<f64>> {
     let Some(file) = &args.density else { return Ok(Vec::new()) };
     let text = file.read()?;
     let mut values = Vec::new();
-    for (at, line) in (1..).zip(text.lines()) {
-        let word = line.trim();
-        if word.is_empty() || word.starts_with('#') {
-            continue;
-        }
+    for (at, word) in words(&text) {
         match word.parse::<f64>() {
             Ok(value) if value > 0.0 && value.is_finite() => values.push(value),
             _ => bail!("{}: line {at}: '{word}' is not a positive number", file.name()),
@@ -416,16 +412,19 @@ fn density(args: &Args, input: &MeshFile) -> Result<Vec<f64>> {
     Ok(values)
 }
 
-/// Reads numbers of vertices, one a line; empty lines and those that begin with `#` are skipped.
+/// Returns the lines of a text without blanks around them, each with its number; empty lines and
+/// those that begin with `#` are skipped.
+fn words(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let lines = (1..).zip(text.lines().map(str::trim));
+    lines.filter(|(_, word)| !word.is_empty() && !word.starts_with('#'))
+}
+
+/// Reads numbers of vertices, one a line.
 fn numbers(file: &TextFile, vertices: usize) -> Result<Vec<u32>> {
     let text = file.read()?;
     let mut known = HashMap::new();
     let mut numbers = Vec::new();
-    for (at, line) in (1..).zip(text.lines()) {
-        let word = line.trim();
-        if word.is_empty() || word.starts_with('#') {
-            continue;
-        }
+    for (at, word) in words(&text) {
         let here = || format!("{}: line {at}", file.name());
         let number = word.parse().ok().filter(|&v: &u32| (v as usize) < vertices);
         let Some(number) = number else {
@@ -474,10 +473,8 @@ fn refused(error: catamaran::Error, args: &Args) -> anyhow::Error {
             anyhow!("{}: {why}", if args.lock_by.is_some() { "--lock-by" } else { "--lock" })
         }
         catamaran::Error::Argument { what: "density", why } => {
-            anyhow!(
-                "{}: {why}",
-                if args.density_by.is_some() { "--density-by" } else { "--density" }
-            )
+            let by_name = args.density_by.is_some();
+            anyhow!("{}: {why}", if by_name { "--density-by" } else { "--density" })
         }
         catamaran::Error::Argument { what: "curvature", why } => anyhow!("--curvature: {why}"),
         catamaran::Error::Argument { what: "n" | "error", why } if args.error.is_some() => {

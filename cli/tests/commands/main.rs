@@ -2,6 +2,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../../../tests/common/inputs.rs"]
+mod inputs;
 
 mod ata;
 mod curve;

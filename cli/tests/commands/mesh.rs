@@ -1,7 +1,5 @@
 //! `catamaran mesh`, from outside.
 
-use std::path::Path;
-
 use catamaran::io::{Output, Overwrite};
 use catamaran_geometry::mesh::io::{Attribute, MeshFile};
 use catamaran_geometry::mesh::{TriMesh, families, io};
@@ -555,11 +553,7 @@ fn repeated_faces_and_faces_without_area_are_dropped_with_a_note() {
 
 #[test]
 fn surfaces_from_other_programs_are_repaired() {
-    let Some(data) = std::env::var_os("CATAMARAN_DATA") else { return };
-    let suzanne = Path::new(&data).join("meshes/suzanne_499components.ply.gz");
-    if !suzanne.exists() {
-        return;
-    }
+    let Some(suzanne) = crate::inputs::data("meshes/suzanne_499components.ply.gz") else { return };
     let folder = Folder::new();
     let said = folder.succeed(&format!("decimate {} -n 300 -o d.ply", suzanne.display()));
     assert!(said.contains("topology    components 3, boundary loops 4"), "{said}");

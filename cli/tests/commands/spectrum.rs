@@ -1,8 +1,7 @@
 //! `catamaran spectrum`, from outside.
 
-use std::path::Path;
-
 use crate::common::Folder;
+use crate::inputs::data;
 
 #[cfg(feature = "hdf5")]
 use catamaran::faer::Mat;
@@ -133,11 +132,7 @@ fn options_change_the_problem() {
 
 #[test]
 fn slivers_whose_eigenpairs_are_inexact_need_the_intrinsic_laplacian() {
-    let Some(data) = std::env::var_os("CATAMARAN_DATA") else { return };
-    let slivers = Path::new(&data).join("meshes/adis16480_slivers.stl.gz");
-    if !slivers.exists() {
-        return;
-    }
+    let Some(slivers) = data("meshes/adis16480_slivers.stl.gz") else { return };
     let (folder, slivers) = (Folder::new(), slivers.display());
     for command in [
         format!("spectrum {slivers} -k 100 -o s.npz"),
