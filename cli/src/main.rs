@@ -42,7 +42,6 @@ mod predict;
 mod program;
 mod progress;
 mod ranks;
-mod renamed;
 mod report;
 mod rows;
 mod shape;
@@ -57,6 +56,7 @@ mod tables;
 mod topics;
 mod transfer;
 mod tune;
+mod unexpected;
 mod unions;
 mod wilt;
 mod wrap;
@@ -227,7 +227,7 @@ fn parse_command_line() -> (Cli, String) {
     let mut command = program::program();
     let words: Vec<_> = std::env::args_os().collect();
     let mut matches = command.try_get_matches_from_mut(&words).unwrap_or_else(|error| {
-        let error = renamed::explained(parse::explained(error, &command), &command, &words);
+        let error = unexpected::explained(parse::explained(error, &command), &command, &words);
         // `-V` prints the version only.
         let is_long = words.iter().any(|word| word == "--version");
         if error.kind() == ErrorKind::DisplayVersion && is_long {

@@ -32,8 +32,8 @@ const ROWS: usize = 4096;
 /// The columns of the table are found by the names that the model has for them: those in the header
 /// of a text table, or numbers counted from 0 where there is no header. Other columns are not used.
 /// A level of a factor that the model does not have is an error. If columns of the model depended
-/// on others, a note names them. With `--missing nan` a row with a
-/// missing value has no prediction (NaN).
+/// on others, a note names them. With `--missing nan` a row with a missing value has no prediction
+/// (NaN); with `--missing drop` the others have one, with the number of their row.
 #[derive(clap::Args)]
 pub struct Args {
     /// The .json file of the model.
@@ -56,7 +56,7 @@ pub struct Args {
     )]
     confidence: f64,
     /// Output file, .csv: a line for each row, with a column for each target, and two more for the
-    /// ends of its interval.
+    /// ends of its interval. With --missing drop, the first column is the row of the table, from 0.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     #[command(flatten)]
@@ -150,7 +150,9 @@ pub fn run(args: &Args) -> Result<()> {
         intercepts: &intercepts,
         uncertainty,
     };
-    let mut sink = Sink::new(output, &model, args.interval.is_some())?;
+    let mut sink =
+        Sink { output, model: &model, rows: (missing == Missing::Drop).then_some(&design) };
+    sink.begin(args.interval.is_some())?;
     let mut all = table.a().rows::<f64>(missing == Missing::Error)?;
     let mut rows = design.rows(&mut *all).with_context(name)?;
     let (count, n) = (rows.nrows(), rows.ncols());
@@ -270,21 +272,25 @@ impl Predictions {
 struct Sink<'a> {
     output: Option<Output>,
     model: &'a Model,
+    /// Which rows of the table are predicted, if not all.
+    rows: Option<&'a Design>,
 }
 
-impl<'a> Sink<'a> {
+impl Sink<'_> {
     /// Writes the titles.
-    fn new(mut output: Option<Output>, model: &'a Model, intervals: bool) -> Result<Self> {
+    fn begin(&mut self, intervals: bool) -> Result<()> {
         let mut titles = Vec::new();
-        for Target { name, .. } in &model.targets {
+        for Target { name, .. } in &self.model.targets {
             titles.push(name.clone());
             if intervals {
                 titles.extend([format!("{name}_lower"), format!("{name}_upper")]);
             }
         }
-        match &mut output {
+        match &mut self.output {
             Some(output) => {
-                let titles: Vec<String> = titles.iter().map(|title| quoted(title)).collect();
+                let row = self.rows.map(|_| "row".to_owned());
+                let titles = row.into_iter().chain(titles.iter().map(|title| quoted(title)));
+                let titles: Vec<String> = titles.collect();
                 writeln!(output, "{}", titles.join(",")).map_err(|e| output.error(e))?;
             }
             None => {
@@ -295,7 +301,7 @@ impl<'a> Sink<'a> {
                 head(format_args!("{:>8}{titles}", "row"))?;
             }
         }
-        Ok(Self { output, model })
+        Ok(())
     }
 
     /// Returns the number of rows that there is room for.
@@ -307,9 +313,13 @@ impl<'a> Sink<'a> {
     fn add(&mut self, first: usize, found: &Predictions) -> Result<()> {
         for i in 0..found.values.nrows() {
             let entries = |q| found.of_entry(i, q);
+            let number = first + i;
+            let of_table = self.rows.map(|rows| rows.row_of_table(number));
             if let Some(output) = &mut self.output {
                 let fields = (0..self.model.targets.len()).flat_map(entries);
-                let fields: Vec<String> = fields.map(|x| format!("{x:?}")).collect();
+                let fields = fields.map(|x| format!("{x:?}"));
+                let row = of_table.map(|row| row.to_string());
+                let fields: Vec<String> = row.into_iter().chain(fields).collect();
                 writeln!(output, "{}", fields.join(",")).map_err(|e| output.error(e))?;
                 continue;
             }
@@ -322,7 +332,7 @@ impl<'a> Sink<'a> {
                 values.push(found.values[(i, q)]);
                 ends.extend(entries(q).skip(1));
             }
-            let number = first + i;
+            let number = of_table.unwrap_or(number);
             row!(
                 "prediction",
                 row = number,

@@ -97,6 +97,12 @@ pub fn run(args: &Args) -> Result<()> {
     if args.nearest == 0 && !writes {
         bail!("--nearest 0: lists nothing, which is for --signatures and --distances only");
     }
+    if let ([only], None, false) = (&args.inputs[..], &args.query, writes) {
+        let name = only.display();
+        bail!(
+            "{name}: one mesh has no neighbors: name more, or write its signature (--signatures)"
+        );
+    }
     let signatures = create(args.signatures.as_deref(), args.force)?;
     let distances = create(args.distances.as_deref(), args.force)?;
     let fit = args.fit_metric.as_deref().map(|path| metric_file(path, args.force)).transpose()?;

@@ -229,6 +229,19 @@ impl Scratch {
         Ok(())
     }
 
+    /// Makes scratch of the memory of a vector.
+    pub(crate) fn from_vec(values: Vec<f64>) -> Self {
+        Self(Workspace::from_vec(values))
+    }
+
+    /// Returns all elements.
+    pub(crate) fn as_slice<T: Real>(&self) -> &[T] {
+        let block = self.0.as_slice();
+        let len = size_of_val(block) / size_of::<T>();
+        // SAFETY: as for `as_mut_slice`.
+        unsafe { std::slice::from_raw_parts(block.as_ptr().cast(), len) }
+    }
+
     /// Returns all elements for writing.
     pub fn as_mut_slice<T: Real>(&mut self) -> &mut [T] {
         let block = self.0.as_mut_slice();

@@ -259,6 +259,18 @@ impl Design {
         Ok(DesignRows { design: self, table, block: Vec::new() })
     }
 
+    /// Returns the row of the table that is row `kept` of the matrix.
+    ///
+    /// ```
+    /// use catamaran::rows::Design;
+    ///
+    /// let design = Design::new(Vec::new()).without_rows(vec![0, 2]);
+    /// assert_eq!([design.row_of_table(0), design.row_of_table(1)], [1, 3]);
+    /// ```
+    pub fn row_of_table(&self, kept: usize) -> usize {
+        self.run(kept).0
+    }
+
     /// Returns the row of the table that is row `kept` of the matrix, and how many rows from there
     /// on follow one another in both.
     fn run(&self, kept: usize) -> (usize, usize) {

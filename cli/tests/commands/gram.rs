@@ -242,6 +242,30 @@ fn p_values_intervals_and_f_are_those_of_r() {
 }
 
 #[test]
+fn predictions_of_complete_rows_have_the_numbers_of_their_rows() {
+    let folder = Folder::new();
+    folder.write("fit.csv", "x,y\n0,1\n1,3\n2,5\n");
+    folder.succeed("lstsq fit.csv --by-column y --intercept -o fit.json");
+    folder.write("new.csv", "x\n4\nNA\n6\nNA\nNA\n9\n");
+    let predicted = |options: &str| {
+        folder.succeed(&format!("predict fit.json new.csv {options} -o p.csv --force"));
+        let text = fs::read_to_string(folder.path("p.csv")).unwrap();
+        let (titles, rows) = text.split_once('\n').unwrap();
+        let numbers = rows.lines().flat_map(|line| line.split(','));
+        (titles.to_owned(), numbers.map(|x| x.parse().unwrap()).collect::<Vec<f64>>())
+    };
+    let (titles, numbers) = predicted("--missing drop");
+    assert_eq!(titles, "row,y");
+    assert_close(&numbers, &[0.0, 9.0, 2.0, 13.0, 5.0, 19.0], 1e-12);
+    let (titles, numbers) = predicted("--missing nan");
+    assert_eq!((titles.as_str(), numbers.len()), ("y", 6));
+    let shown = folder.succeed("predict fit.json new.csv --missing drop");
+    let rows: Vec<&str> =
+        shown.lines().skip(1).filter_map(|line| line.split_whitespace().next()).collect();
+    assert_eq!(rows, ["0", "2", "5"], "{shown}");
+}
+
+#[test]
 fn factors_have_the_coefficients_of_r_and_predict_by_their_levels() {
     // lm(mpg ~ wt + factor(cyl))
     let folder = Folder::new();

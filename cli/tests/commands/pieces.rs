@@ -119,7 +119,7 @@ fn a_signature_of_zeros_is_refused_for_every_boundary() {
     // Closed components have no boundary where functions could be zero.
     let refused = folder.fail("shapedna spheres.ply ellipsoids.ply -k 6 --dirichlet");
     assert!(refused.contains("7 or more is enough"), "{refused}");
-    let refused = folder.fail("shapedna other.ply -k 1");
+    let refused = folder.fail("shapedna other.ply other.ply -k 1");
     assert!(refused.contains("1 eigenvalue is zero"), "{refused}");
 }
 
@@ -162,7 +162,7 @@ fn boundary_conditions_count() {
         let run = succeed(&folder, &format!("spectrum {mesh} -k 5 --boundary dirichlet"));
         assert!(run.stderr.contains(&format!("note: {mesh}: {says}")), "{}", run.stderr);
     }
-    let refused = folder.fail("shapedna both.ply -k 1 --dirichlet");
+    let refused = folder.fail("shapedna both.ply both.ply -k 1 --dirichlet");
     let says = "1 eigenvalue is zero, one for each component without boundary: -k 1";
     assert!(refused.contains(says), "{refused}");
     let run = folder.run("unions predict grids.ply both.ply");

@@ -101,8 +101,17 @@ fn surfaces_of_freesurfer_and_gifti_have_the_eigenvalues_that_lapy_stores() {
 fn what_has_too_few_vertices_is_named() {
     let folder = Folder::new();
     write(&folder, "small.ply", families::icosphere(0).unwrap());
-    let refused = folder.fail("shapedna small.ply -k 100");
+    let refused = folder.fail("shapedna small.ply small.ply -k 100");
     assert!(refused.contains("small.ply") && refused.contains("100 eigenpairs"), "{refused}");
+}
+
+#[test]
+fn one_mesh_has_a_signature_but_no_neighbors() {
+    let folder = Folder::new();
+    write(&folder, "one.ply", families::icosphere(2).unwrap());
+    let refused = folder.fail("shapedna one.ply -k 4");
+    assert!(refused.contains("one.ply: one mesh has no neighbors"), "{refused}");
+    folder.succeed("shapedna one.ply -k 4 --signatures s.csv");
 }
 
 #[test]

@@ -293,7 +293,8 @@ fn missing(layout: &Layout, j: usize, field: &[u8]) -> Result<bool, String> {
             let what = format!("{field} where a {kind} should be");
             let (column, missing) = (column(layout, j), option("missing"));
             Err(format!(
-                "{column}: {what}; {missing} = drop leaves out such rows, {missing} = nan keeps them"
+                "{column}: {what}; {missing} = drop leaves out such rows, {missing} = nan keeps \
+                 them"
             ))
         }
     }

@@ -4,13 +4,13 @@ use faer::{MatMut, MatRef};
 
 use super::bricks::ata_bricks;
 use super::columns::ata_columns;
-use super::memory::append_rows;
+use super::memory::{Buffer, append_rows};
 use super::rows::ata_rows;
 use super::symmetric::Symmetric;
 use super::tags::CYCLIC;
 use super::transfer::Transfer;
 use super::world::{MpiReal, Operation, World, fact, flag, number_fact, scalar_fact};
-use crate::base::{Error, Real, Result, reserved, zeros};
+use crate::base::{Error, Real, Result};
 use crate::product::{AtaOptions, Uplo};
 use crate::ranks::plan::{BlockCyclic, CutInto, Delivery, GridOrder, Parts, Piece};
 
@@ -223,7 +223,7 @@ struct Collection<T> {
     parts: Parts,
     buffers: Buffers<T>,
     /// The part of this rank, column by column.
-    part: Vec<T>,
+    part: Buffer<T>,
 }
 
 impl<T: MpiReal> Collection<T> {
@@ -234,11 +234,11 @@ impl<T: MpiReal> Collection<T> {
             _ => 0,
         };
         let buffers = Buffers::new(world, len)?;
-        Ok(Self { buffers, part: zeros(height.saturating_mul(width))?, parts })
+        Ok(Self { buffers, part: Buffer::of_len(height.saturating_mul(width))?, parts })
     }
 
     /// Returns the part of this rank, column by column, and its shape.
-    fn collect(self, world: &World, entries: MatRef<'_, T>) -> (Vec<T>, (usize, usize)) {
+    fn collect(self, world: &World, entries: MatRef<'_, T>) -> (Buffer<T>, (usize, usize)) {
         let Self { parts, buffers, mut part } = self;
         let own = world.rank();
         let shape = parts.shape(own);
@@ -256,7 +256,7 @@ impl<T: MpiReal> Collection<T> {
             let held = entries.get(piece.rows.clone(), piece.cols.clone());
             place(own, piece, held);
         }
-        let pack = |to: usize, buffer: &mut Vec<T>| {
+        let pack = |to: usize, buffer: &mut Buffer<T>| {
             let Some(piece) = parts.piece(own, to) else { return };
             // Column by column.
             append_rows(buffer, entries.get(piece.rows, piece.cols).transpose());
@@ -285,7 +285,7 @@ fn deliver<T: MpiReal>(
     let mut buffers = world.agree(buffers)?;
     let held = result.entries();
     let mut entries = c.entries;
-    let pack = |to: usize, buffer: &mut Vec<T>| {
+    let pack = |to: usize, buffer: &mut Buffer<T>| {
         delivery.runs(own, to, |run| buffer.extend_from_slice(&held[run.at..run.at + run.len]));
     };
     let mut unpack = |from: usize, buffer: &[T]| {
@@ -306,8 +306,8 @@ fn deliver<T: MpiReal>(
 
 /// Memory for one message each way, and the lengths of the messages.
 struct Buffers<T> {
-    outgoing: Vec<T>,
-    incoming: Vec<T>,
+    outgoing: Buffer<T>,
+    incoming: Buffer<T>,
     /// Number of entries to be received from each rank.
     received: Vec<usize>,
 }
@@ -318,8 +318,8 @@ impl<T: Real> Buffers<T> {
         let (own, ranks) = (world.rank(), world.size());
         let received: Vec<usize> = (0..ranks).map(|from| len(from, own)).collect();
         let others = received.iter().enumerate().filter(|&(from, _)| from != own);
-        let incoming = reserved(others.map(|(_, len)| *len).max().unwrap_or(0))?;
-        let outgoing = reserved((0..ranks).map(|to| len(own, to)).max().unwrap_or(0))?;
+        let incoming = Buffer::with_room(others.map(|(_, len)| *len).max().unwrap_or(0))?;
+        let outgoing = Buffer::with_room((0..ranks).map(|to| len(own, to)).max().unwrap_or(0))?;
         Ok(Self { outgoing, incoming, received })
     }
 }
@@ -333,17 +333,16 @@ impl<T: Real> Buffers<T> {
 fn exchange<T: MpiReal>(
     world: &World,
     buffers: Buffers<T>,
-    mut pack: impl FnMut(usize, &mut Vec<T>),
+    mut pack: impl FnMut(usize, &mut Buffer<T>),
     mut unpack: impl FnMut(usize, &[T]),
 ) {
     let Buffers { mut outgoing, mut incoming, received } = buffers;
     let (own, ranks) = (world.rank(), world.size());
     for round in 1..ranks {
         let (to, from) = ((own + round) % ranks, (own + ranks - round) % ranks);
-        incoming.clear();
-        incoming.resize(received[from], T::ZERO);
+        incoming.set_len(received[from]);
         let arriving = Transfer::receive(world, incoming, from, CYCLIC);
-        outgoing.clear();
+        outgoing.set_len(0);
         pack(to, &mut outgoing);
         let leaving = Transfer::send(world, outgoing, [to], CYCLIC);
         incoming = arriving.wait();

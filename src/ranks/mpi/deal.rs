@@ -6,12 +6,13 @@ use faer::prelude::{IntoConst, Reborrow, ReborrowMut};
 use faer::{MatMut, MatRef};
 
 use super::form::Form;
+use super::memory::Buffer;
 use super::pending_send::PendingSends;
 use super::rows::sum_symmetric;
 use super::tags::DEALT;
 use super::transfer::Transfer;
 use super::world::{MpiReal, Operation, World, fact};
-use crate::base::{Result, block_rows, zeros};
+use crate::base::{Result, block_rows};
 use crate::product::{AtaOptions, Uplo, ata_into};
 use crate::ranks::plan::{Machine, row_shares};
 
@@ -65,16 +66,20 @@ pub(super) fn run<T: MpiReal>(
 /// The memory of a rank that the root sends rows to.
 struct Hand<T> {
     rows: usize,
-    sum: Vec<T>,
-    blocks: Vec<Vec<T>>,
+    sum: Buffer<T>,
+    blocks: Vec<Buffer<T>>,
 }
 
 impl<T: MpiReal> Hand<T> {
     fn new(rows: usize, n: usize, height: usize) -> Result<Self> {
-        let block = || zeros(rows.min(height) * n);
+        let block = || Buffer::of_len(rows.min(height) * n);
         let count = rows.div_ceil(height).min(2);
         let blocks = (0..count).map(|_| block()).collect::<Result<_>>()?;
-        Ok(Self { rows, sum: zeros(n * n)?, blocks })
+        let mut sum = Buffer::of_len(n * n)?;
+        if rows == 0 {
+            sum.fill(T::ZERO);
+        }
+        Ok(Self { rows, sum, blocks })
     }
 
     /// Receives the blocks, each while the product of the one before is added to the sum. Returns
@@ -91,9 +96,9 @@ impl<T: MpiReal> Hand<T> {
         let mut sum = MatMut::from_row_major_slice_mut(&mut self.sum, n, n);
         let count = |first: usize| height.min(self.rows - first);
         let mut starts = (0..self.rows).step_by(height);
-        let mut receive = |mut block: Vec<T>| {
+        let mut receive = |mut block: Buffer<T>| {
             let first = starts.next()?;
-            block.truncate(count(first) * n);
+            block.set_len(count(first) * n);
             Some(Transfer::receive(world, block, form.root, DEALT))
         };
         let mut arriving: VecDeque<_> =

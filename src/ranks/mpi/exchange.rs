@@ -7,7 +7,7 @@ use ::mpi::topology::Communicator;
 use faer::{Mat, MatRef};
 
 use super::call::Call;
-use super::memory::{entries, put_entries};
+use super::memory::{Buffer, entries, put_entries};
 use super::tags::{EXCHANGE, GATHER_ROWS};
 use super::transfer::{Transfer, receive, send};
 use super::world::{MpiReal, Operation, World, fact};
@@ -28,17 +28,17 @@ pub(super) fn exchange(
     call: &Call<'_>,
     mut outgoing: Vec<Vec<f64>>,
     lens: &[usize],
-) -> Result<Vec<Vec<f64>>> {
+) -> Result<Vec<Buffer<f64>>> {
     let (world, own) = (call.world, call.world.rank());
-    let room = |(from, &len): (usize, &usize)| if from == own { Ok(vec![]) } else { zeros(len) };
+    let room = |(from, &len): (usize, &usize)| Buffer::of_len(if from == own { 0 } else { len });
     let incoming: Vec<_> = call.meet(lens.iter().enumerate().map(room).collect::<Result<_>>())?;
     let kept = std::mem::take(&mut outgoing[own]);
     let receiving = |(from, buffer)| Transfer::receive(world, buffer, from, EXCHANGE);
     let received: Vec<_> = incoming.into_iter().enumerate().map(receiving).collect();
-    let sending = |(to, buffer)| Transfer::send(world, buffer, [to], EXCHANGE);
+    let sending = |(to, entries)| Transfer::send(world, Buffer::from(entries), [to], EXCHANGE);
     let sent: Vec<_> = outgoing.into_iter().enumerate().map(sending).collect();
     let mut incoming: Vec<_> = received.into_iter().map(Transfer::wait).collect();
-    incoming[own] = kept;
+    incoming[own] = kept.into();
     drop(sent);
     Ok(incoming)
 }

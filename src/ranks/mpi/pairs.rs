@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use faer::{MatMut, MatRef};
 
+use super::memory::Buffer;
 use super::stream::joined_bounds_of_columns;
 use super::travel::{Exchange, Piece};
 use super::world::{MpiReal, World};
@@ -73,7 +74,7 @@ pub(super) struct FloatPairs<T> {
     /// The products in the order of [`Blocks::products`].
     entries: Vec<T>,
     /// The block on the diagonal is computed as a square, of which a triangle is used.
-    square: Vec<T>,
+    square: Buffer<T>,
     width: usize,
 }
 
@@ -81,13 +82,16 @@ impl<T: MpiReal> FloatPairs<T> {
     /// Creates the sums of no rows on rank `own` of the blocks.
     pub(super) fn new(blocks: &Blocks, own: usize, alpha: T) -> Result<Self> {
         let width = blocks.columns(own).len();
-        let (entries, square) = (zeros(blocks.len(own))?, zeros(width * width)?);
+        let (entries, square) = (zeros(blocks.len(own))?, Buffer::of_len(width * width)?);
         Ok(Self { alpha, beta: T::ZERO, entries, square, width })
     }
 
     /// Returns the entries, in the order of their segments.
     pub(super) fn into_entries(mut self) -> Vec<T> {
         let width = self.width;
+        if self.beta == T::ZERO {
+            self.square.fill(T::ZERO);
+        }
         for (i, row) in triangle_rows(&mut self.entries, 0..width) {
             row.copy_from_slice(&self.square[i * width..=i * width + i]);
         }

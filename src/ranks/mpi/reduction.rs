@@ -2,11 +2,11 @@ use std::ops::Range;
 
 use faer::MatRef;
 
-use super::memory::append_rows;
+use super::memory::{Buffer, append_rows};
 use super::tags::{MOST_ROUNDS, ROUNDS};
 use super::transfer::Transfer;
 use super::world::{MpiReal, World};
-use crate::base::{Result, reserved};
+use crate::base::Result;
 use crate::ranks::plan::{Chunks, rounds};
 
 /// Sums chunks over the ranks and scatters the sums, one chunk after another, in memory that is
@@ -17,9 +17,9 @@ pub(super) struct Reduction<'c, T> {
     /// Parts of the pieces, counted from the rank's own part: first that alone, then what the rank
     /// sends in the last round, ..., in the first round.
     parts: Vec<Range<usize>>,
-    pieces: Vec<Vec<T>>,
+    pieces: Vec<Buffer<T>>,
     /// Where the sums of other ranks arrive.
-    incoming: Vec<T>,
+    incoming: Buffer<T>,
     chunk: usize,
     /// Pieces that are still to be sent, the last one first; `None` when no sum was started.
     left: Option<usize>,
@@ -35,9 +35,10 @@ impl<'c, T: MpiReal> Reduction<'c, T> {
             let all = 0..chunks.count();
             all.map(|chunk| entries(chunks, chunk, rank, parts)).max().unwrap_or(0)
         };
-        let pieces = parts.iter().map(|parts| reserved(most(parts))).collect::<Result<_>>()?;
+        let pieces =
+            parts.iter().map(|parts| Buffer::with_room(most(parts))).collect::<Result<_>>()?;
         let longest = parts.iter().map(|parts| most(&(0..parts.len()))).max().unwrap_or(0);
-        let incoming = reserved(longest)?;
+        let incoming = Buffer::with_room(longest)?;
         Ok(Self { chunks, rank, parts, pieces, incoming, chunk: 0, left: None, under_way: None })
     }
 
@@ -45,7 +46,7 @@ impl<'c, T: MpiReal> Reduction<'c, T> {
     pub(super) fn fill(&mut self, chunk: usize, panel: MatRef<'_, T>) {
         let first = self.chunks.rows(chunk).start;
         for (parts, piece) in self.parts.iter().zip(&mut self.pieces) {
-            piece.clear();
+            piece.set_len(0);
             for part in parts.clone() {
                 let rank = (self.rank + part) % self.chunks.ranks();
                 for segment in self.chunks.segments_of(chunk, rank) {
@@ -59,7 +60,7 @@ impl<'c, T: MpiReal> Reduction<'c, T> {
     /// Starts the rounds for `chunk`, with unspecified entries if it was not filled.
     pub(super) fn start(&mut self, world: &World, chunk: usize) {
         for (parts, piece) in self.parts.iter().zip(&mut self.pieces) {
-            piece.resize(entries(self.chunks, chunk, self.rank, parts), T::ZERO);
+            piece.set_len(entries(self.chunks, chunk, self.rank, parts));
         }
         self.chunk = chunk;
         self.left = Some(self.pieces.len() - 1);
@@ -94,7 +95,7 @@ impl<'c, T: MpiReal> Reduction<'c, T> {
         let to = (self.rank + parts.start) % ranks;
         let from = (self.rank + ranks - parts.start) % ranks;
         let mut incoming = std::mem::take(&mut self.incoming);
-        incoming.resize(entries(self.chunks, self.chunk, self.rank, &(0..parts.len())), T::ZERO);
+        incoming.set_len(entries(self.chunks, self.chunk, self.rank, &(0..parts.len())));
         let outgoing = std::mem::take(&mut self.pieces[piece]);
         let received = Transfer::receive(world, incoming, from, tag);
         self.under_way = Some((Transfer::send(world, outgoing, [to], tag), received));
@@ -106,8 +107,8 @@ impl<'c, T: MpiReal> Reduction<'c, T> {
             return;
         };
         self.incoming = received.wait();
-        let sums = self.pieces.iter_mut().flatten();
-        sums.zip(&self.incoming).for_each(|(sum, &term)| *sum += term);
+        let sums = self.pieces.iter_mut().flat_map(|piece| piece.iter_mut());
+        sums.zip(self.incoming.iter()).for_each(|(sum, &term)| *sum += term);
         self.pieces[piece] = sent.wait();
         self.left = Some(piece - 1);
     }

@@ -7,11 +7,12 @@ use faer::prelude::{IntoConst, ReborrowMut};
 use faer::{MatMut, MatRef};
 
 use super::digits::{PARTS, part_of, whole};
+use super::memory::Buffer;
 use super::reduction::Reduction;
 use super::stream::joined_bounds;
 use super::symmetric::Symmetric;
 use super::world::{MpiReal, Operation, World, fact, flag, number_fact, scalar_fact};
-use crate::base::{Error, Progress, Result, Workspace, block_rows, reserved};
+use crate::base::{Error, Progress, Result, block_rows, reserved};
 use crate::product::{AtaOptions, Uplo, ata_into, atb_into};
 use crate::ranks::plan::{Chunks, TriangleLayout};
 use crate::rows::{DenseRows, RowBounds, exact_sums};
@@ -66,9 +67,9 @@ pub fn ata_rows<T: MpiReal>(
     if options.asks_for_exact() {
         return reduce_exact(world, alpha, rows, chunks, options);
     }
-    let panel = Workspace::<T>::new(chunks.longest_panel());
+    let panel = Buffer::<T>::of_len(chunks.longest_panel());
     reduce(world, chunks, panel, |panel, span, meanwhile| {
-        let panel = &mut panel.as_mut_slice()[..span.len() * span.end];
+        let panel = &mut panel[..span.len() * span.end];
         let mut panel = MatMut::from_row_major_slice_mut(panel, span.len(), span.end);
         let share = |rows: usize| (rows as f64 / n as f64).powi(2);
         world.with_progress(options, share(span.start)..share(span.end), meanwhile, |options| {
@@ -160,7 +161,7 @@ fn reduce_exact<T: MpiReal>(
     let quiet = options.clone().progress(Progress::none());
     let bounds = RowBounds::<T>::of(&mut DenseRows(rows), None, height, &quiet);
     let bounds = joined_bounds(world, &world.agree(bounds)?)?;
-    let memory = Workspace::<f64>::new(chunks.longest_panel())
+    let memory = Buffer::<f64>::of_len(chunks.longest_panel())
         .and_then(|panel| Ok((panel, Reduction::<f64>::new(&chunks, own)?)))
         .and_then(|(panel, reduction)| Ok((panel, reduction, reserved(chunks.len(own))?)));
     let (mut panel, mut reduction, mut entries) = world.agree(memory)?;
@@ -181,7 +182,7 @@ fn reduce_exact<T: MpiReal>(
         let mut sums_of_own = vec![[0.0; PARTS]; chunks.entries(chunk, own).len()];
         for part in 0..PARTS {
             if let Ok(sums) = &sums {
-                let memory = &mut panel.as_mut_slice()[..span.len() * span.end];
+                let memory = &mut panel[..span.len() * span.end];
                 let mut panel = MatMut::from_row_major_slice_mut(memory, span.len(), span.end);
                 for i in span.clone() {
                     for j in 0..=i {

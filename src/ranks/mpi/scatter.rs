@@ -2,10 +2,11 @@
 
 use std::ops::Range;
 
+use super::memory::Buffer;
 use super::tags::ROUNDS;
 use super::transfer::Transfer;
 use super::world::{MpiReal, World};
-use crate::base::{Result, even_part, reserved};
+use crate::base::{Result, even_part};
 use crate::ranks::plan::rounds;
 
 /// The reduction of `len` numbers over `count` ranks, `step` apart, from `first` on. Each rank
@@ -17,21 +18,21 @@ pub(super) struct Scatter<T> {
     /// The number of this rank among them.
     own: usize,
     len: usize,
-    outgoing: Vec<T>,
-    incoming: Vec<T>,
+    outgoing: Buffer<T>,
+    incoming: Buffer<T>,
 }
 
 impl<T: MpiReal> Scatter<T> {
     /// Allocates memory for one message each way. This rank is `first + own step`.
     pub(super) fn new([first, step, count]: [usize; 3], own: usize, len: usize) -> Result<Self> {
-        let mut scatter =
-            Self { first, step, count, own, len, outgoing: Vec::new(), incoming: Vec::new() };
+        let (outgoing, incoming) = (Buffer::default(), Buffer::default());
+        let mut scatter = Self { first, step, count, own, len, outgoing, incoming };
         let rounds = rounds(count);
         let longest = |of: &dyn Fn(&Range<usize>) -> Range<usize>| {
             rounds.iter().map(|round| scatter.len_of(of(&round.parts))).max().unwrap_or(0)
         };
-        let outgoing = reserved(longest(&|parts| parts.clone()))?;
-        let incoming = reserved(longest(&|parts| 0..parts.len()))?;
+        let outgoing = Buffer::with_room(longest(&|parts| parts.clone()))?;
+        let incoming = Buffer::with_room(longest(&|parts| 0..parts.len()))?;
         (scatter.outgoing, scatter.incoming) = (outgoing, incoming);
         Ok(scatter)
     }
@@ -54,10 +55,9 @@ impl<T: MpiReal> Scatter<T> {
             let parts = round.parts;
             let (to, from) = (rank(own + parts.start), rank(own + count - parts.start));
             let mut incoming = std::mem::take(&mut self.incoming);
-            incoming.clear();
-            incoming.resize(self.len_of(0..parts.len()), T::ZERO);
+            incoming.set_len(self.len_of(0..parts.len()));
             let mut outgoing = std::mem::take(&mut self.outgoing);
-            outgoing.clear();
+            outgoing.set_len(0);
             parts.clone().for_each(|i| outgoing.extend_from_slice(&terms[self.part(i)]));
             let arriving = Transfer::receive(world, incoming, from, ROUNDS.tag(k));
             let leaving = Transfer::send(world, outgoing, [to], ROUNDS.tag(k));

@@ -42,9 +42,8 @@ impl SpreadMatrix {
         // Numbers of rows are exact as floating-point numbers.
         let outgoing = (0..rows.ranks()).map(|r| wanted(r).iter().map(|&j| j as f64).collect());
         let asked = exchange(call, outgoing.collect(), &lens)?;
-        let asked = asked
-            .into_iter()
-            .map(|rows| rows.into_iter().map(|i| i as usize - own.start).collect());
+        let asked =
+            asked.into_iter().map(|rows| rows.iter().map(|&i| i as usize - own.start).collect());
         let (mut starts, mut columns) = (vec![0], reserved(matrix.nnz())?);
         let mut entries = reserved(matrix.nnz())?;
         let renumbered = |j: usize| match own.contains(&j) {

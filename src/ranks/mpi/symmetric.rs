@@ -3,10 +3,11 @@ use faer::prelude::ReborrowMut;
 
 use super::call::Call;
 use super::exchange::all_gather;
+use super::memory::Buffer;
 use super::tags::GATHER;
 use super::transfer::{receive, send};
 use super::world::{MpiReal, Operation, World, fact};
-use crate::base::{Error, Real, Result, zeros};
+use crate::base::{Error, Real, Result};
 use crate::product::Uplo;
 use crate::ranks::plan::TriangleLayout;
 
@@ -86,11 +87,11 @@ impl<T: MpiReal> Symmetric<T> {
         let longest = (0..world.size()).map(|rank| self.layout.len(rank)).max().unwrap_or(0);
         let prepared = world.check_root(root).and_then(|()| match &c {
             Some(c) if is_root => Error::check_shape("C", (self.n(), self.n()), c.shape())
-                .and_then(|()| zeros(longest)),
+                .and_then(|()| Buffer::of_len(longest)),
             None if is_root => {
                 Err(Error::Argument { what: "C", why: "missing on the root".into() })
             }
-            _ => Ok(Vec::new()),
+            _ => Ok(Buffer::default()),
         });
         let facts = [fact("n", self.n()), fact("root", root)];
         let mut buffer = world.begin(Operation::Gather, &facts, prepared)?;

@@ -3,13 +3,14 @@ use ::mpi::point_to_point::{Destination, Source};
 use ::mpi::raw::AsRaw;
 use ::mpi::topology::Communicator;
 
+use super::memory::Buffer;
 use super::requests::Requests;
 use super::tags::Tag;
 use super::world::{MpiReal, Traffic, World};
 
 /// A message on its way that owns its entries until it has arrived.
 pub(super) struct Transfer<T> {
-    buffer: Vec<T>,
+    buffer: Buffer<T>,
     requests: Requests,
 }
 
@@ -18,7 +19,7 @@ impl<T: MpiReal> Transfer<T> {
     /// messages.
     pub(super) fn send(
         world: &World,
-        buffer: Vec<T>,
+        buffer: Buffer<T>,
         to: impl IntoIterator<Item = usize>,
         tag: Tag,
     ) -> Self {
@@ -51,7 +52,7 @@ impl<T: MpiReal> Transfer<T> {
 
     /// Starts to receive as many entries as `buffer` has from rank `from`, sent by
     /// [`Transfer::send`] with the same tag.
-    pub(super) fn receive(world: &World, mut buffer: Vec<T>, from: usize, tag: Tag) -> Self {
+    pub(super) fn receive(world: &World, mut buffer: Buffer<T>, from: usize, tag: Tag) -> Self {
         let mut requests = Requests::default();
         let datatype = T::equivalent_datatype();
         for part in buffer.chunks_mut(world.longest_message()) {
@@ -86,7 +87,7 @@ impl<T> Transfer<T> {
     }
 
     /// Waits for the end, and returns the entries.
-    pub(super) fn wait(mut self) -> Vec<T> {
+    pub(super) fn wait(mut self) -> Buffer<T> {
         self.requests.wait();
         std::mem::take(&mut self.buffer)
     }

@@ -5,11 +5,11 @@ use std::ops::Range;
 
 use faer::MatRef;
 
-use super::memory::append_rows;
+use super::memory::{Buffer, append_rows};
 use super::tags::COLUMNS;
 use super::transfer::Transfer;
 use super::world::{MpiReal, World};
-use crate::base::{Result, reserved};
+use crate::base::Result;
 use crate::ranks::plan::{Blocks, piece_height};
 
 /// Sends the columns of this rank to the ranks that need them, some rows at a time, and receives
@@ -23,7 +23,7 @@ pub(super) struct Exchange<'w, T> {
     /// Number of rows that travel at once.
     height: usize,
     /// Buffers for two pieces.
-    spare: Vec<Vec<T>>,
+    spare: Vec<Buffer<T>>,
     under_way: VecDeque<UnderWay<T>>,
 }
 
@@ -38,7 +38,7 @@ struct UnderWay<T> {
 pub(super) struct Piece<'w, T> {
     own: MatRef<'w, T>,
     sent: Option<Transfer<T>>,
-    received: Vec<(usize, Vec<T>)>,
+    received: Vec<(usize, Buffer<T>)>,
 }
 
 impl<'w, T: MpiReal> Exchange<'w, T> {
@@ -56,7 +56,7 @@ impl<'w, T: MpiReal> Exchange<'w, T> {
         let width = |rank: usize| blocks.columns(rank).len();
         let widest = blocks.sources(own).chain([own]).map(width).max().unwrap_or(0);
         let len = height.min(m) * widest;
-        let spare = (0..2 * seen).map(|_| reserved(len)).collect::<Result<_>>()?;
+        let spare = (0..2 * seen).map(|_| Buffer::with_room(len)).collect::<Result<_>>()?;
         Ok(Self { world, first, blocks, columns, height, spare, under_way: VecDeque::new() })
     }
 
@@ -94,13 +94,13 @@ impl<'w, T: MpiReal> Exchange<'w, T> {
         let tag = COLUMNS.tag(piece % 2);
         let received = self.blocks.sources(own).map(|source| {
             let mut buffer = self.spare.pop().unwrap_or_default();
-            buffer.resize(rows.len() * self.blocks.columns(source).len(), T::ZERO);
+            buffer.set_len(rows.len() * self.blocks.columns(source).len());
             (source, Transfer::receive(self.world, buffer, first + source, tag))
         });
         let received = received.collect();
         let sent = (self.blocks.ranks() > 1).then(|| {
             let mut copy = self.spare.pop().unwrap_or_default();
-            copy.clear();
+            copy.set_len(0);
             append_rows(&mut copy, self.columns.subrows(rows.start, rows.len()));
             let to = self.blocks.destinations(own).map(|rank| first + rank);
             Transfer::send(self.world, copy, to, tag)
@@ -125,7 +125,7 @@ impl<'w, T: MpiReal> Exchange<'w, T> {
     }
 }
 
-impl<T> Piece<'_, T> {
+impl<T: MpiReal> Piece<'_, T> {
     /// Returns the number of rows.
     pub(super) fn nrows(&self) -> usize {
         self.own.nrows()

@@ -7,11 +7,12 @@ use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef, RowMut};
 
 use super::form::Form;
+use super::memory::Buffer;
 use super::pending_send::{PendingSend, PendingSends};
 use super::tags::{RESULT, STRIPS};
 use super::transfer::Transfer;
 use super::world::{MpiReal, Operation, World, fact};
-use crate::base::{Real, Result, reserved, zeros};
+use crate::base::{Real, Result};
 use crate::product::{AtaOptions, Uplo, ata_into, atb_into};
 use crate::ranks::plan::{PlannedSend, RESULTS_IN_FLIGHT, TaskTree, TreeNode};
 
@@ -76,8 +77,8 @@ fn block<'a, T>(form: Form, node: &TreeNode, entries: &'a mut [T]) -> MatMut<'a,
 struct Memory<T> {
     results: Results<T>,
     /// The strips of the nodes that are sent to the process.
-    inputs: Vec<Vec<Vec<T>>>,
-    blocks: Vec<Vec<T>>,
+    inputs: Vec<Vec<Buffer<T>>>,
+    blocks: Vec<Buffer<T>>,
 }
 
 impl<T: Real> Memory<T> {
@@ -85,11 +86,15 @@ impl<T: Real> Memory<T> {
         let nodes = tree.nodes();
         let entries = tree.entries(process);
         let strips = |node: &TreeNode| {
-            node.strips().map(|rows| zeros(node.words_of(rows.len()))).collect::<Result<_>>()
+            node.strips()
+                .map(|rows| Buffer::of_len(node.words_of(rows.len())))
+                .collect::<Result<_>>()
         };
         let inputs = entries.iter().map(|&id| strips(&nodes[id])).collect::<Result<_>>()?;
-        let blocks =
-            entries.iter().map(|&id| zeros(nodes[id].block_len())).collect::<Result<_>>()?;
+        let blocks = entries
+            .iter()
+            .map(|&id| Buffer::of_len(nodes[id].block_len()))
+            .collect::<Result<_>>()?;
         let tops = if process == 0 { &[0][..] } else { &entries };
         let expected = tops.iter().flat_map(|&id| tree.results(id)).collect();
         Ok(Self { results: Results::new(tree, expected)?, inputs, blocks })
@@ -102,13 +107,14 @@ struct Results<T> {
     /// The nodes whose results are expected.
     expected: VecDeque<usize>,
     under_way: VecDeque<Transfer<T>>,
-    spare: Vec<Vec<T>>,
+    spare: Vec<Buffer<T>>,
 }
 
-impl<T> Results<T> {
+impl<T: Real> Results<T> {
     fn new(tree: &TaskTree, expected: VecDeque<usize>) -> Result<Self> {
         let longest = expected.iter().map(|&id| tree.nodes()[id].result_len()).max().unwrap_or(0);
-        let spare = (0..RESULTS_IN_FLIGHT).map(|_| reserved(longest)).collect::<Result<_>>()?;
+        let spare =
+            (0..RESULTS_IN_FLIGHT).map(|_| Buffer::with_room(longest)).collect::<Result<_>>()?;
         Ok(Self { expected, under_way: VecDeque::new(), spare })
     }
 }
@@ -133,7 +139,7 @@ impl<T: MpiReal> Worker<'_, T> {
     }
 
     /// Receives, runs and returns the nodes `ids`.
-    fn run_entries(&mut self, ids: &[usize], inputs: Vec<Vec<Vec<T>>>, blocks: Vec<Vec<T>>) {
+    fn run_entries(&mut self, ids: &[usize], inputs: Vec<Vec<Buffer<T>>>, blocks: Vec<Buffer<T>>) {
         let Some(parent) = ids.first().and_then(|&id| self.tree.nodes()[id].parent) else { return };
         let above = self.rank(self.tree.nodes()[parent].task.process);
         let receive = |(i, strip)| Transfer::receive(self.world, strip, above, STRIPS.tag(i));
@@ -151,7 +157,8 @@ impl<T: MpiReal> Worker<'_, T> {
                 beta = T::ONE;
             }
             if node.task.triangle {
-                pack(&mut entries, node.task.rows.len(), self.form.c_by_rows);
+                let len = pack(&mut entries, node.task.rows.len(), self.form.c_by_rows);
+                entries.set_len(len);
             }
             returned.push(Transfer::send(self.world, entries, [above], RESULT));
         }
@@ -245,7 +252,7 @@ impl<T: MpiReal> Worker<'_, T> {
                 return;
             };
             let node = &self.tree.nodes()[id];
-            entries.resize(node.result_len(), T::ZERO);
+            entries.set_len(node.result_len());
             let from = self.rank(node.task.process);
             let result = Transfer::receive(self.world, entries, from, RESULT);
             self.results.under_way.push_back(result);
@@ -287,8 +294,9 @@ fn triangle_line(line: usize, n: usize, by_rows: bool) -> Range<usize> {
     if by_rows { 0..line + 1 } else { line..n }
 }
 
-/// Removes the entries above the diagonal from a square of n lines.
-fn pack<T: Copy>(square: &mut Vec<T>, n: usize, by_rows: bool) {
+/// Moves the entries of a square of n lines that are not above the diagonal to its front, and
+/// returns their number.
+fn pack<T: Copy>(square: &mut [T], n: usize, by_rows: bool) -> usize {
     let mut end = 0;
     for line in 0..n {
         let entries = triangle_line(line, n, by_rows);
@@ -296,7 +304,7 @@ fn pack<T: Copy>(square: &mut Vec<T>, n: usize, by_rows: bool) {
         square.copy_within(start..start + len, end);
         end += len;
     }
-    square.truncate(end);
+    end
 }
 
 /// Computes `C := beta C` + the lines of `result`; with `beta == 0` C is not read.
@@ -334,8 +342,9 @@ mod tests {
             let values: Vec<f64> = (0..n * n).map(|i| i as f64).collect();
             for by_rows in [false, true] {
                 let mut packed = values.clone();
-                pack(&mut packed, n, by_rows);
-                assert_eq!(packed.len(), triangle_len(n));
+                let len = pack(&mut packed, n, by_rows);
+                assert_eq!(len, triangle_len(n));
+                packed.truncate(len);
                 for (beta, stored_by_rows) in
                     [(0.0, true), (0.0, false), (1.0, true), (-2.0, false)]
                 {

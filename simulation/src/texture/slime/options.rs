@@ -26,7 +26,7 @@ pub enum Blur {
 options! {
     /// Options of a simulation. Names and units are those of table 3.1 of the thesis, if it lists
     /// them. Lengths are in hundredths of the square root of the area of the surface, angles are in
-    /// degrees, times in seconds of the simulation (docs/decisions/0015).
+    /// degrees, times in seconds of the simulation (docs/decisions/0013).
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct Options {
         /// Number of agents.

@@ -1,6 +1,6 @@
-//! Unexpected arguments. Options that earlier versions called otherwise: the error of an old name
-//! says the new one. The nearest name, which clap suggests, is that of another option. A number
-//! without its option: the error says the option.
+//! Errors of unexpected arguments that say what to write instead: the new name of an option that
+//! earlier versions called otherwise (clap suggests the nearest name, that of another option), and
+//! the option of a number or a file that stands alone.
 
 use std::ffi::OsString;
 
