@@ -50,18 +50,24 @@ pub(super) fn run<T: MpiReal>(
     world.agree(worker.done)
 }
 
-/// Returns `rows` rows of the parts of A that `node` reads: the columns for the rows of its block,
-/// and those for its columns.
+/// Returns `rows` rows of the parts of A that node `id` reads, as [`Worker::start_send`] sends
+/// them: the columns for the rows of its block, and those for its columns.
 fn operands<'a, T>(
+    tree: &TaskTree,
+    id: usize,
     form: Form,
-    node: &TreeNode,
     rows: usize,
     entries: &'a [T],
 ) -> [MatRef<'a, T>; 2] {
-    let (left, right) = entries.split_at(rows * node.task.rows.len());
-    let left = form.part_of_a(left, rows, node.task.rows.len());
-    let right = || form.part_of_a(right, rows, node.task.cols.len());
-    [left, if node.task.triangle { left } else { right() }]
+    let task = &tree.nodes()[id].task;
+    let [of_rows, of_cols] = [task.rows.len(), task.cols.len()];
+    if tree.is_one_block(id) {
+        let (right, left) = form.part_of_a(entries, rows, of_cols + of_rows).split_at_col(of_cols);
+        return [left, right];
+    }
+    let (left, right) = entries.split_at(rows * of_rows);
+    let left = form.part_of_a(left, rows, of_rows);
+    [left, if task.triangle { left } else { form.part_of_a(right, rows, of_cols) }]
 }
 
 /// Returns the block of C of `node`.
@@ -151,7 +157,7 @@ impl<T: MpiReal> Worker<'_, T> {
             let mut beta = T::ZERO;
             for (rows, strip) in node.strips().zip(strips) {
                 let strip = strip.wait();
-                let operands = operands(self.form, node, rows.len(), &strip);
+                let operands = operands(self.tree, id, self.form, rows.len(), &strip);
                 let block = block(self.form, node, &mut entries);
                 self.run(id, operands, beta, block, &|| false);
                 beta = T::ONE;
@@ -235,13 +241,20 @@ impl<T: MpiReal> Worker<'_, T> {
     where
         Self: 'a,
     {
-        let PlannedSend { child, strip, rows } = planned;
-        let child = &self.tree.nodes()[*child];
-        let tag = STRIPS.tag(*strip);
-        let parts = operands_of(child, parent, operands);
-        let parts = parts.map(|part| part.subrows(rows.start, rows.len()));
-        let parts = if child.task.triangle { &parts[..1] } else { &parts[..] };
-        self.form.start_send(self.world, parts, self.rank(child.task.process), tag)
+        let PlannedSend { child: id, strip, rows } = planned;
+        let child = &self.tree.nodes()[*id];
+        let parts = if self.tree.is_one_block(*id) {
+            let columns = child.task.cols.start..child.task.rows.end;
+            let sums = within(&child.sums, &parent.sums);
+            vec![operands[0].get(sums, within(&columns, &parent.task.rows))]
+        } else {
+            let parts = operands_of(child, parent, operands);
+            parts[..if child.task.triangle { 1 } else { 2 }].to_vec()
+        };
+        let strips: Vec<_> =
+            parts.iter().map(|part| part.subrows(rows.start, rows.len())).collect();
+        let (to, tag) = (self.rank(child.task.process), STRIPS.tag(*strip));
+        self.form.start_send(self.world, &strips, to, tag)
     }
 
     /// Starts to receive as many of the next results as there is room for.

@@ -155,6 +155,15 @@ impl TaskTree {
         node.parent.is_some_and(|parent| self.nodes[parent].task.process != node.task.process)
     }
 
+    /// Returns whether the columns that node `id` reads are adjacent columns of one operand of its
+    /// parent, those of its block before those of its rows. They travel as one block then: rows of
+    /// A that are whole need not be gathered.
+    pub fn is_one_block(&self, id: usize) -> bool {
+        let TreeNode { task, parent, .. } = &self.nodes[id];
+        let of_triangle = parent.is_some_and(|parent| self.nodes[parent].task.triangle);
+        of_triangle && !task.triangle && task.cols.end == task.rows.start
+    }
+
     /// Returns the messages that the owner of `node` sends to its children, in order: the first
     /// strips of all children before the second ones, so that every child begins early.
     ///
@@ -477,6 +486,26 @@ mod tests {
             let tree = TaskTree::new(1024, 1024, p);
             let Load { messages_sent, messages_received, .. } = tree.loads()[0];
             assert_eq!(messages_sent + messages_received, 2 * (7 * (tree.depth() - 1) + 5), "{p}");
+        }
+    }
+
+    #[test]
+    fn blocks_left_of_a_triangle_read_one_block_of_columns() {
+        for p in [2, 3, 6, 8, 40] {
+            let tree = TaskTree::new(500, 301, p);
+            for (id, node) in tree.nodes().iter().enumerate() {
+                if tree.is_one_block(id) {
+                    let parent = &tree.nodes()[node.parent.unwrap()].task;
+                    let [left, right] = node.columns().collect::<Vec<_>>().try_into().unwrap();
+                    assert!(parent.triangle && right.end == left.start);
+                    assert!(parent.rows.start <= right.start && left.end <= parent.rows.end);
+                }
+            }
+            let below_root = tree.nodes()[0].children.clone();
+            let mut left: Vec<_> =
+                below_root.filter(|&id| !tree.nodes()[id].task.triangle).collect();
+            left.retain(|&id| !tree.is_one_block(id));
+            assert!(left.is_empty());
         }
     }
 
