@@ -42,21 +42,23 @@ pub fn levels<'a>(
     })
 }
 
-/// Returns the error with a reason that says what is expected, where the reason of the standard
-/// library says only that a digit is not one.
+/// Returns the error of a whole number with a reason that says what is expected, where that of the
+/// standard library says only what is wrong.
 pub fn explained(error: clap::Error, command: &Command) -> clap::Error {
     let reason = error.source().and_then(|source| source.downcast_ref::<ParseIntError>());
-    let is_no_number = reason.is_some_and(|reason| *reason.kind() == IntErrorKind::InvalidDigit);
-    match (error.get(ContextKind::InvalidArg), error.get(ContextKind::InvalidValue)) {
-        (Some(option), Some(value)) if is_no_number => {
-            let why = format!(
-                "invalid value '{value}' for '{option}': expected a whole number, not negative\n\n\
-                 For more information, try '--help'.\n"
-            );
-            clap::Error::raw(ErrorKind::ValueValidation, why).with_cmd(command)
-        }
-        _ => error,
-    }
+    let expected = match reason.map(ParseIntError::kind) {
+        Some(IntErrorKind::InvalidDigit) => "a whole number, not negative",
+        Some(IntErrorKind::Zero) => "at least 1; without the option, the command chooses",
+        _ => return error,
+    };
+    let (option, value) =
+        (error.get(ContextKind::InvalidArg), error.get(ContextKind::InvalidValue));
+    let (Some(option), Some(value)) = (option, value) else { return error };
+    let why = format!(
+        "invalid value '{value}' for '{option}': expected {expected}\n\n\
+         For more information, try '--help'.\n"
+    );
+    clap::Error::raw(ErrorKind::ValueValidation, why).with_cmd(command)
 }
 
 /// Parses `lower`, `upper` or `both`.

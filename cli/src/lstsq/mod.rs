@@ -6,7 +6,7 @@ mod output;
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Error, Result, bail};
 use catamaran::io::Output;
 use catamaran::solve::{LeastSquares, LeastSquaresOptions};
 use clap::ArgGroup;
@@ -172,12 +172,22 @@ struct Rows {
     levels: Vec<Vec<String>>,
 }
 
+/// Returns the error of a file B that can't be read, with the option for a target in A if that is
+/// what was named.
+fn with_column(error: Error, name: &str, columns: &[String]) -> Error {
+    match columns.iter().any(|column| column == name) {
+        true => error.context(format!("A has a column {name}: name it by --by-column {name}")),
+        false => error,
+    }
+}
+
 fn rows(args: &Args) -> Result<Rows> {
     let a = args.gram.open_with_factors(design::possible_names(&args.factor))?;
     let (mut columns, mut numbers) = (a.column_names(), a.numbers());
     let mut levels: Vec<Vec<String>> = (0..columns.len()).map(|j| a.levels(j).to_vec()).collect();
     if let Some(path) = &args.b {
-        let b = open("B", path, &args.gram.other_tables().read_all_rows())?;
+        let b = open("B", path, &args.gram.other_tables().read_all_rows());
+        let b = b.map_err(|e| with_column(e, &path.display().to_string(), &columns))?;
         let targets = b.column_names();
         return Ok(Rows { table: Table::joined(a, b)?, columns, numbers, targets, levels });
     }

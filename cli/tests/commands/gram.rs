@@ -242,6 +242,15 @@ fn p_values_intervals_and_f_are_those_of_r() {
 }
 
 #[test]
+fn a_column_in_place_of_a_table_names_its_option() {
+    let folder = Folder::new();
+    folder.write("a.csv", "x,y\n0,1\n1,3\n2,5\n");
+    let message = folder.fail("lstsq a.csv y");
+    assert!(message.contains("--by-column y") && message.contains("no such file"), "{message}");
+    assert!(!folder.fail("lstsq a.csv z").contains("--by-column"));
+}
+
+#[test]
 fn predictions_of_complete_rows_have_the_numbers_of_their_rows() {
     let folder = Folder::new();
     folder.write("fit.csv", "x,y\n0,1\n1,3\n2,5\n");

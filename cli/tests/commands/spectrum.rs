@@ -205,6 +205,8 @@ fn numbers_that_are_none_are_refused_with_what_is_expected() {
         assert!(run.stderr.starts_with(&why), "{}", run.stderr);
         assert!(run.stderr.ends_with("try '--help'.\n"), "{}", run.stderr);
     }
+    let run = folder.run("spectrum a.obj --threads 0");
+    assert!(run.stderr.contains("'--threads <N>': expected at least 1"), "{}", run.stderr);
     let run = folder.run("spectrum a.obj --memory -1");
     assert!(run.stderr.contains("expected a number of GiB above 0"), "{}", run.stderr);
 }

@@ -18,8 +18,6 @@ use super::world::{MpiReal, PANICKED, Traffic, World};
 pub(super) struct PendingSend<'a, T> {
     world: &'a World,
     requests: Requests,
-    /// Whether some message consists of entries that are not adjacent.
-    in_pieces: bool,
     blocks: PhantomData<MatRef<'a, T>>,
 }
 
@@ -30,11 +28,9 @@ impl<'a, T: MpiReal> PendingSend<'a, T> {
     pub(super) fn send(world: &'a World, blocks: &[MatRef<'a, T>], to: usize, tag: Tag) -> Self {
         let len: usize = blocks.iter().map(|block| block.nrows() * block.ncols()).sum();
         let longest = world.longest_message();
-        let requests = Requests::default();
-        let mut send = Self { world, requests, in_pieces: false, blocks: PhantomData };
+        let mut send = Self { world, requests: Requests::default(), blocks: PhantomData };
         for start in (0..len).step_by(longest) {
             let parts = parts(blocks, start, longest.min(len - start));
-            send.in_pieces |= parts.len() > 1 || !is_adjacent(parts[0]);
             send.start(&parts, to, tag);
         }
         let (words_sent, messages_sent) = (len as u64, send.requests.len() as u64);
@@ -80,12 +76,12 @@ impl<'a, T> FromIterator<PendingSend<'a, T>> for PendingSends<'a, T> {
 }
 
 impl<T> PendingSends<'_, T> {
-    /// Returns whether some sends of entries that are not adjacent have not ended: such entries
-    /// travel in pieces, and MPI moves each piece only when this rank asks for its state.
+    /// Returns whether some sends have not ended. Long messages may travel in pieces, also those of
+    /// adjacent entries, and MPI moves each piece only when this rank asks for its state.
     pub(super) fn are_moving(&self) -> bool {
         let mut sends = self.0.borrow_mut();
         sends.retain_mut(|send| !send.requests.have_ended());
-        sends.iter().any(|send| send.in_pieces)
+        !sends.is_empty()
     }
 }
 
@@ -113,12 +109,6 @@ fn parts<'a, T>(blocks: &[MatRef<'a, T>], start: usize, len: usize) -> Vec<MatRe
         }
     }
     parts
-}
-
-/// Returns whether the entries of `part`, column by column, are adjacent in memory.
-fn is_adjacent<T>(part: MatRef<'_, T>) -> bool {
-    let (rows, cols) = part.shape();
-    (part.row_stride() == 1 || rows == 1) && (part.col_stride() == rows as isize || cols == 1)
 }
 
 /// Returns the datatype of the entries of `part`, column by column.
@@ -157,16 +147,6 @@ mod tests {
                 assert_eq!(found, values[start..start + len]);
             }
         }
-    }
-
-    #[test]
-    fn whole_columns_of_a_packed_matrix_are_adjacent() {
-        let values = [0.0_f64; 20];
-        let a = MatRef::from_column_major_slice(&values, 4, 5);
-        assert!(is_adjacent(a) && is_adjacent(a.subcols(1, 2)));
-        assert!(is_adjacent(a.submatrix(1, 3, 2, 1)) && is_adjacent(a.submatrix(3, 3, 1, 1)));
-        assert!(!is_adjacent(a.subrows(0, 3)) && !is_adjacent(a.transpose()));
-        assert!(!is_adjacent(a.subrows(0, 1)));
     }
 
     #[test]
