@@ -2,11 +2,14 @@
 //! and the process is killed when it uses them.
 
 use std::fmt::Display;
+use std::mem::MaybeUninit;
+use std::slice;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use faer::Mat;
 
 use super::byte_size::byte_size;
+use super::workspace::ask_for_huge_pages;
 use super::{Error, Result};
 
 /// The limit that a caller has set; 0 without one.
@@ -82,11 +85,25 @@ pub(crate) fn filled<T>(
     cols: usize,
     entry: impl FnMut(usize, usize) -> T,
 ) -> Result<Mat<T>> {
+    let mut matrix = with_room(rows, cols)?;
+    matrix.resize_with(rows, cols, entry);
+    Ok(matrix)
+}
+
+/// Returns an empty matrix with room for so many entries.
+///
+/// # Errors
+/// [`Error::OutOfMemory`] when memory is refused.
+pub(crate) fn with_room<T>(rows: usize, cols: usize) -> Result<Mat<T>> {
     let bytes = rows.saturating_mul(cols).saturating_mul(size_of::<T>());
     check_allocation(bytes)?;
-    let mut matrix = Mat::new();
+    let mut matrix = Mat::<T>::new();
     matrix.try_reserve(rows, cols).map_err(|_| Error::OutOfMemory { bytes })?;
-    matrix.resize_with(rows, cols, entry);
+    // SAFETY: there is room for at least so many entries in one block, which has none so far.
+    let block = unsafe {
+        slice::from_raw_parts_mut(matrix.as_ptr_mut().cast::<MaybeUninit<T>>(), rows * cols)
+    };
+    ask_for_huge_pages(block);
     Ok(matrix)
 }
 

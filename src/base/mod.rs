@@ -37,7 +37,7 @@ pub use error::{Cause, Error, Result};
 pub use float_env::FloatEnv;
 pub use isa::{IsaLevel, isa_limit, set_isa_limit};
 pub use memory::{available_memory, check_request, limit_memory};
-pub(crate) use memory::{check_allocation, filled};
+pub(crate) use memory::{check_allocation, filled, with_room};
 pub use options::Field;
 pub(crate) use par::PIECE;
 pub use par::Par;

@@ -160,7 +160,7 @@ fn zeroed<T: Plain>(len: usize) -> Option<Vec<T>> {
 /// Asks the system for huge pages where `block` has room for two of them: when they are touched,
 /// the system clears them many times faster than small ones.
 #[cfg(target_os = "linux")]
-fn ask_for_huge_pages<T>(block: &mut [T]) {
+pub(super) fn ask_for_huge_pages<T>(block: &mut [T]) {
     if size_of_val(block) < 2 * HUGE_PAGE {
         return;
     }
@@ -173,7 +173,7 @@ fn ask_for_huge_pages<T>(block: &mut [T]) {
 }
 
 #[cfg(not(target_os = "linux"))]
-fn ask_for_huge_pages<T>(_block: &mut [T]) {}
+pub(super) fn ask_for_huge_pages<T>(_block: &mut [T]) {}
 
 /// Memory for the duration of a call, with unspecified contents.
 ///

@@ -1,9 +1,9 @@
 //! Memory for matrices and for faer's work: refused memory is an error, not an abort.
 
-use faer::Mat;
 use faer::dyn_stack::{MemBuffer, StackReq};
+use faer::{Mat, MatMut, MatRef};
 
-use crate::base::{self, Error, Result, check_allocation};
+use crate::base::{self, Error, Par, Result, SharedPtr, Workspace, check_allocation};
 
 /// Returns a zero matrix.
 ///
@@ -25,6 +25,59 @@ pub fn filled(
     base::filled(rows, cols, entry)
 }
 
+/// Returns the columns `order` of a matrix, copied on the threads of `par`: a thread that writes to
+/// fresh memory waits until the system has cleared it.
+///
+/// # Errors
+/// [`Error::OutOfMemory`] when memory is refused.
+pub fn columns(of: MatRef<'_, f64>, order: &[usize], par: Par) -> Result<Mat<f64>> {
+    let (rows, cols) = (of.nrows(), order.len());
+    let mut matrix = base::with_room::<f64>(rows, cols)?;
+    let (start, stride) = (SharedPtr::new(matrix.as_ptr_mut()), matrix.col_stride());
+    par.for_each(order.iter(), |j, &from| {
+        for (i, &entry) in of.col(from).iter().enumerate() {
+            // SAFETY: entry (i, j), for which there is room; each column is written by one thread.
+            unsafe { start.at(i as isize + j as isize * stride).write(entry) };
+        }
+    });
+    // SAFETY: all entries have been written.
+    unsafe { matrix.set_dims(rows, cols) };
+    Ok(matrix)
+}
+
+/// A matrix that is zero at first, in memory that the system clears where it is first accessed, by
+/// the thread that does so.
+pub struct LazyMat {
+    entries: Workspace<f64>,
+    rows: usize,
+    cols: usize,
+    stride: usize,
+}
+
+impl LazyMat {
+    /// Creates a zero matrix.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`] when memory is refused.
+    pub fn new(rows: usize, cols: usize) -> Result<Self> {
+        // Columns begin at cache lines.
+        let stride = rows.next_multiple_of(8);
+        Ok(Self { entries: Workspace::new(stride.saturating_mul(cols))?, rows, cols, stride })
+    }
+
+    /// Returns a view.
+    pub fn as_ref(&self) -> MatRef<'_, f64> {
+        let entries = &self.entries.as_slice()[..self.stride * self.cols];
+        MatRef::from_column_major_slice_with_stride(entries, self.rows, self.cols, self.stride)
+    }
+
+    /// Returns a view for writing.
+    pub fn as_mut(&mut self) -> MatMut<'_, f64> {
+        let entries = &mut self.entries.as_mut_slice()[..self.stride * self.cols];
+        MatMut::from_column_major_slice_with_stride_mut(entries, self.rows, self.cols, self.stride)
+    }
+}
+
 /// Allocates the memory that a function of faer asks for.
 ///
 /// # Errors
@@ -33,4 +86,36 @@ pub fn buffer(requirement: StackReq) -> Result<MemBuffer> {
     let bytes = requirement.unaligned_bytes_required();
     check_allocation(bytes)?;
     MemBuffer::try_new(requirement).map_err(|_| Error::OutOfMemory { bytes })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_are_copied_in_any_order_for_any_number_of_threads() {
+        for (rows, cols) in [(0, 3), (1, 1), (7, 5), (1000, 9)] {
+            let of = Mat::from_fn(rows, cols, |i, j| (i * cols + j) as f64);
+            for order in [vec![], vec![cols - 1, 0, cols - 1]] {
+                for par in [Par::Seq, Par::Threads(3)] {
+                    for view in [of.as_ref(), of.as_ref().reverse_rows()] {
+                        let found = columns(view, &order, par).unwrap();
+                        let expected = |i: usize, j: usize| view[(i, order[j])];
+                        assert_eq!(found, Mat::from_fn(rows, order.len(), expected));
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_lazy_matrix_is_zero_and_keeps_what_is_written() {
+        for (rows, cols) in [(0, 0), (0, 4), (5, 0), (1, 1), (13, 3), (70_001, 8)] {
+            let mut lazy = LazyMat::new(rows, cols).unwrap();
+            assert_eq!(lazy.as_ref(), Mat::<f64>::zeros(rows, cols));
+            let written = Mat::from_fn(rows, cols, |i, j| (i + 7 * j) as f64);
+            lazy.as_mut().copy_from(&written);
+            assert_eq!(lazy.as_ref(), written);
+        }
+    }
 }

@@ -15,11 +15,11 @@ pub(crate) use svd::right_singular;
 
 // For the other crates of this workspace: no part of the interface.
 #[doc(hidden)]
-pub use memory::{buffer, filled, zeros};
+pub use memory::{LazyMat, buffer, columns, filled, zeros};
 #[doc(hidden)]
 pub use qr::qr_least_squares;
 #[doc(hidden)]
-pub use rows::{ROW_BLOCK, by_pieces, for_row_blocks};
+pub use rows::{ROW_BLOCK, by_pieces, copy, for_row_blocks};
 #[doc(hidden)]
 pub use svd::{Svd, thin_svd};
 #[doc(hidden)]

@@ -1,5 +1,5 @@
-use faer::MatMut;
 use faer::prelude::ReborrowMut;
+use faer::{MatMut, MatRef};
 
 use crate::base::{PIECE, Par, Result, spend};
 
@@ -23,6 +23,13 @@ pub fn for_row_blocks(
     }
     blocks.push(rest);
     par.for_each(blocks.into_iter(), |i, block| work(i * rows, block));
+}
+
+/// Copies a matrix of the same shape, on the threads of `par`.
+pub fn copy(to: MatMut<'_, f64>, from: MatRef<'_, f64>, par: Par) {
+    for_row_blocks(to, ROW_BLOCK, par, |first, mut block| {
+        block.copy_from(from.subrows(first, block.nrows()));
+    });
 }
 
 /// Calls [`for_row_blocks`] for some blocks at a time, and asks in between whether to go on. A row

@@ -1,5 +1,8 @@
 use faer::{Mat, MatRef};
 
+use crate::base::{Par, Result};
+use crate::dense::columns;
+
 /// Eigenpairs of `W phi = lambda M phi`.
 #[derive(Debug, Clone)]
 pub struct Eigenpairs {
@@ -47,20 +50,24 @@ impl Eigenpairs {
 
 /// Returns these pairs in ascending order. For a semi-definite matrix (`positive`), negative values
 /// are rounding errors and become zero.
+///
+/// # Errors
+/// [`Error::OutOfMemory`](crate::Error::OutOfMemory).
 pub(crate) fn ascending(
     values: &[f64],
     vectors: MatRef<'_, f64>,
     residuals: &[f64],
     solves: usize,
     positive: bool,
-) -> Eigenpairs {
+    par: Par,
+) -> Result<Eigenpairs> {
     let least = if positive { 0.0 } else { f64::NEG_INFINITY };
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
-    Eigenpairs {
+    Ok(Eigenpairs {
         values: order.iter().map(|&j| values[j].max(least)).collect(),
-        vectors: Mat::from_fn(vectors.nrows(), order.len(), |i, j| vectors[(i, order[j])]),
+        vectors: columns(vectors, &order, par)?,
         residuals: order.iter().map(|&j| residuals[j]).collect(),
         solves,
-    }
+    })
 }

@@ -200,7 +200,7 @@ fn small(
     let Certificate { residuals, .. } =
         certify(pencil, &values, vectors, scale, ROUNDINGS, options)?;
     options.progress.report(1.0)?;
-    Ok(ascending(&values, vectors, &residuals, 0, options.shift.is_none()))
+    ascending(&values, vectors, &residuals, 0, options.shift.is_none(), options.par)
 }
 
 /// Returns the places of the `k` of ascending values that are nearest to a shift. Distances are

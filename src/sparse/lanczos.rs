@@ -1,14 +1,14 @@
 //! Block Lanczos with thick restart for `(W - sigma M)^-1 M`, in the inner product of M.
 
 use faer::prelude::{Reborrow, ReborrowMut};
-use faer::{ColMut, Mat, MatRef, Scale};
+use faer::{ColMut, Mat, MatRef, unzip, zip};
 
 use super::options::EigenOptions;
 use super::space::{Inverse, Pencil};
 use crate::base::{Error, Par, Result, Rng, spend};
 use crate::dense::{
-    SymmetricEigen, filled, multiply_in_place, subtract_product, symmetric_eigen,
-    transposed_product, zeros,
+    LazyMat, ROW_BLOCK, SymmetricEigen, copy, filled, for_row_blocks, multiply_in_place,
+    subtract_product, symmetric_eigen, transposed_product, zeros,
 };
 
 /// Columns of a block: a fast width for solves; finds multiplicities up to this number at once.
@@ -56,7 +56,7 @@ pub(crate) struct Krylov<'a> {
     /// Typical length of M phi.
     mass_norm: f64,
     /// V, then Q, then unused columns.
-    basis: Mat<f64>,
+    basis: LazyMat,
     len: usize,
     /// T, and below it the coupling of Q to the columns from `coupled` on.
     projected: Mat<f64>,
@@ -89,8 +89,6 @@ impl<'a> Krylov<'a> {
         options: &'a EigenOptions<'a>,
     ) -> Result<Self> {
         let (n, size) = (pencil.inner().rows().len(), basis_size(options.k) + WIDTH);
-        // The memory of the basis is cleared.
-        spend(n as f64 * size as f64)?;
         Ok(Self {
             pencil,
             options,
@@ -98,7 +96,7 @@ impl<'a> Krylov<'a> {
             offset: options.shift.map_or(0.0, |shift| sigma - shift),
             scale,
             mass_norm,
-            basis: zeros(n, size)?,
+            basis: LazyMat::new(n, size)?,
             len: 0,
             projected: zeros(size, size)?,
             coupled: 0,
@@ -158,10 +156,10 @@ impl<'a> Krylov<'a> {
 
     /// Puts the work block into the basis as Q.
     fn append(&mut self) -> Result<()> {
-        let x = self.work.as_ref();
-        self.basis.as_mut().subcols_mut(self.len, WIDTH).copy_from(x);
+        let (x, par) = (self.work.as_ref(), self.options.par);
+        copy(self.basis.as_mut().subcols_mut(self.len, WIDTH), x, par);
         let weighted = self.weighted.as_mut().subcols_mut(0, WIDTH);
-        self.pencil.inner().apply_mass(x, weighted, self.options.par)
+        self.pencil.inner().apply_mass(x, weighted, par)
     }
 
     /// Adds Q to V, and finds the next Q; it `may_lag` behind in orthogonality where another
@@ -170,7 +168,7 @@ impl<'a> Krylov<'a> {
         let (len, coupled, par) = (self.len, self.coupled, self.options.par);
         let x = &mut self.work;
         let weighted = self.weighted.as_ref().subcols(0, WIDTH);
-        x.copy_from(weighted);
+        copy(x.as_mut(), weighted, par);
         factor.solve(x.as_mut(), par)?;
         self.solves += WIDTH;
         let diagonal = inner_products(self.pencil, weighted, x.as_ref(), par)?;
@@ -297,11 +295,11 @@ impl<'a> Krylov<'a> {
                 // Q and X side by side, so that V is read once for both.
                 first = count - WIDTH;
                 let (v, mut rest) = self.basis.as_mut().split_at_col_mut(first);
-                rest.rb_mut().subcols_mut(WIDTH, WIDTH).copy_from(x.as_ref());
+                copy(rest.rb_mut().subcols_mut(WIDTH, WIDTH), x.as_ref(), par);
                 let mut both = rest.rb_mut().subcols_mut(0, 2 * WIDTH);
                 let found = inner_products(pencil, v.rb(), weighted.as_ref(), par)?;
                 subtract_product(both.rb_mut(), v.rb(), found.as_ref(), par)?;
-                x.copy_from(both.rb().subcols(WIDTH, WIDTH));
+                copy(x.as_mut(), both.rb().subcols(WIDTH, WIDTH), par);
                 weigh(weighted, x)?;
             }
         }
@@ -505,13 +503,17 @@ impl<'a> Krylov<'a> {
         for first in (0..self.found.len()).step_by(WIDTH) {
             let width = WIDTH.min(self.found.len() - first);
             let mut x = self.work.as_mut().subcols_mut(0, width);
-            let mut vectors = self.basis.as_mut().subcols_mut(first, width);
+            let vectors = self.basis.as_mut().subcols_mut(first, width);
             self.pencil.inner().apply_mass(vectors.rb(), x.rb_mut(), par)?;
             factor.solve(x.rb_mut(), par)?;
-            for j in 0..width {
-                let back = self.found[first + j] - self.sigma;
-                vectors.rb_mut().col_mut(j).copy_from(Scale(back) * x.rb().col(j));
-            }
+            let (x, found, sigma) = (x.rb(), &self.found[first..], self.sigma);
+            for_row_blocks(vectors, ROW_BLOCK, par, |first, block| {
+                let x = x.subrows(first, block.nrows());
+                for (j, column) in block.col_iter_mut().enumerate() {
+                    let back = found[j] - sigma;
+                    zip!(column, x.col(j)).for_each(|unzip!(v, x)| *v = back * x);
+                }
+            });
             self.solves += width;
         }
         Ok(())

@@ -178,7 +178,8 @@ impl<'a> Problem<'a> {
                 let positive = options.shift.is_none();
                 let (values, vectors) = (krylov.values(), krylov.vectors());
                 let (residuals, solves) = (&certificate.residuals, krylov.solves());
-                let mut pairs = ascending(values, vectors, residuals, solves, positive);
+                let mut pairs =
+                    ascending(values, vectors, residuals, solves, positive, options.par)?;
                 if positive {
                     // The values of constants on components are zero, not rounding errors.
                     let null = self.null_near(sigma);

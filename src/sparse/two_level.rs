@@ -121,7 +121,7 @@ fn find(
     let scale = scale(stiffness, mass);
     let certificate = certify(&pencil, &values[..k], found, scale, ROUNDINGS, options)?;
     progress.report(1.0)?;
-    Ok(ascending(&values[..k], found, &certificate.residuals, small.solves, true))
+    ascending(&values[..k], found, &certificate.residuals, small.solves, true, par)
 }
 
 /// Rejects options that have no meaning for two levels.

@@ -136,8 +136,8 @@ mod tests {
     }
 
     #[test]
-    #[should_panic(expected = "no room for 400000 entries")]
+    #[should_panic(expected = "no room for")]
     fn no_more_entries_than_there_is_room_for() {
-        Buffer::<f64>::of_len(300_000).unwrap().set_len(400_000);
+        Buffer::<f64>::of_len(300_000).unwrap().set_len(usize::MAX);
     }
 }

@@ -1,5 +1,5 @@
 use catamaran::{Error, Par, Result};
-use catamaran_geometry::mesh::{LaplacianOptions, TriMesh};
+use catamaran_geometry::mesh::{LaplacianOptions, TriMesh, vertex_areas};
 use catamaran_geometry::unions::PartSpectra;
 
 use crate::cuts::{Mask, Surface, no_pair, union};
@@ -91,25 +91,24 @@ impl BodyCut {
         };
         Ok(raw.map(|mask| surface.largest_piece(&mask)))
     }
+}
 
-    /// Computes the spectra of the parts and of the union.
-    ///
-    /// # Errors
-    /// [`Error::Argument`] when the parts are not a pair as in data sets: they have too few common
-    /// vertices, too few interior vertices, or one adds too little; those of [`PartSpectra`].
-    fn pair(&self, surface: &Surface<'_>, spectra: &PartSpectra<'_>, frame: Frame) -> Result<Pair> {
-        let [a, b] = self.parts(surface, frame)?;
-        let all = union(&a, &b);
-        if let Some(why) = no_pair(surface, [&a, &b], &all) {
-            return Err(Error::Argument { what: "parts", why: why.into() });
-        }
-        let spectrum = |mask: &Mask| -> Result<Spectrum> {
-            let values = spectra.dirichlet(mask, EIGENVALUES)?;
-            Ok(std::array::from_fn(|i| values[i]))
-        };
-        let (first, second, union) = (spectrum(&a)?, spectrum(&b)?, spectrum(&all)?);
-        Ok(Pair { first, second, union, regions: None })
+/// Computes the spectra of two parts of a shape and of their union.
+///
+/// # Errors
+/// [`Error::Argument`] when the parts are not a pair as in data sets: they have too few common
+/// vertices, too few interior vertices, or one adds too little; those of [`PartSpectra`].
+fn pair(surface: &Surface<'_>, spectra: &PartSpectra<'_>, [a, b]: &[Mask; 2]) -> Result<Pair> {
+    let all = union(a, b);
+    if let Some(why) = no_pair(surface, [a, b], &all) {
+        return Err(Error::Argument { what: "parts", why: why.into() });
     }
+    let spectrum = |mask: &Mask| -> Result<Spectrum> {
+        let values = spectra.dirichlet(mask, EIGENVALUES)?;
+        Ok(std::array::from_fn(|i| values[i]))
+    };
+    let (first, second, union) = (spectrum(a)?, spectrum(b)?, spectrum(&all)?);
+    Ok(Pair { first, second, union, regions: None })
 }
 
 /// Returns the distance within which the given share of the area lies.
@@ -134,11 +133,53 @@ pub fn body_pairs(
     frame: Frame,
     par: Par,
 ) -> Result<Vec<(&'static BodyCut, Result<Pair>)>> {
-    // The cuts of real shapes are not mirrored.
-    let mirror: Vec<u32> = (0..mesh.vertices().len() as u32).collect();
+    let parts = body_parts(mesh, frame, par)?;
+    Ok(BODY_CUTS.iter().zip(part_pairs(mesh, &parts, par)?).collect())
+}
+
+/// Cuts a shape in each way of [`BODY_CUTS`]; returns the parts of each.
+///
+/// # Errors
+/// Those of [`HeatMethod`](catamaran_geometry::mesh::HeatMethod).
+pub fn body_parts(mesh: &TriMesh, frame: Frame, par: Par) -> Result<Vec<[Mask; 2]>> {
+    let mirror = itself(mesh);
+    let surface = Surface::new(mesh, &mirror, par)?;
+    BODY_CUTS.iter().map(|cut| cut.parts(&surface, frame)).collect()
+}
+
+/// Computes the spectra of pairs of parts, of each part those of its largest piece; returns why
+/// parts are no pair otherwise.
+///
+/// # Errors
+/// As [`body_pairs`].
+pub fn part_pairs(mesh: &TriMesh, parts: &[[Mask; 2]], par: Par) -> Result<Vec<Result<Pair>>> {
+    let mirror = itself(mesh);
     let surface = Surface::new(mesh, &mirror, par)?;
     let spectra = PartSpectra::new(mesh, &LaplacianOptions::new().par(par))?;
-    Ok(BODY_CUTS.iter().map(|cut| (cut, cut.pair(&surface, &spectra, frame))).collect())
+    let of = |parts: &[Mask; 2]| {
+        pair(&surface, &spectra, &parts.each_ref().map(|part| surface.largest_piece(part)))
+    };
+    Ok(parts.iter().map(of).collect())
+}
+
+/// Returns the mirror image of each vertex where none is known: the cuts of real shapes are not
+/// mirrored.
+fn itself(mesh: &TriMesh) -> Vec<u32> {
+    (0..mesh.vertices().len() as u32).collect()
+}
+
+/// Returns how far the union of two parts changes if the second part is mirrored, which spectra do
+/// not tell: the area that belongs to only one of both unions, as a share of the area of the shape.
+/// The smaller share of the union and its mirror image counts. `mirror` has the mirror image of
+/// each vertex.
+pub fn mirrored_union(mesh: &TriMesh, mirror: &[u32], [a, b]: &[Mask; 2]) -> f64 {
+    let areas = vertex_areas(mesh);
+    let mirrored = |mask: &Mask| -> Mask { mirror.iter().map(|&v| mask[v as usize]).collect() };
+    let (all, other) = (union(a, b), union(a, &mirrored(b)));
+    let apart = |all: &Mask| -> f64 {
+        (0..areas.len()).filter(|&v| all[v] != other[v]).map(|v| areas[v]).sum()
+    };
+    apart(&all).min(apart(&mirrored(&all))) / areas.iter().sum::<f64>()
 }
 
 #[cfg(test)]
@@ -176,6 +217,31 @@ mod tests {
         let small = catamaran_geometry::mesh::families::icosphere(1).unwrap();
         let pairs = body_pairs(&small, FRAME, Par::all()).unwrap();
         assert!(pairs.iter().all(|(_, pair)| matches!(pair, Err(Error::Argument { .. }))));
+    }
+
+    #[test]
+    fn cuts_that_are_clear_have_the_same_union_if_a_part_is_mirrored() {
+        let model = Model::new(Family::Humanoid, 2500).unwrap();
+        let mesh = model.template();
+        for (cut, parts) in BODY_CUTS.iter().zip(body_parts(mesh, FRAME, Par::all()).unwrap()) {
+            let change = mirrored_union(mesh, model.mirror(), &parts);
+            assert_eq!(change < 0.01, cut.clear, "{}: {change}", cut.name);
+        }
+    }
+
+    #[test]
+    fn only_the_largest_piece_of_a_part_counts() {
+        let model = Model::new(Family::Humanoid, 2500).unwrap();
+        let mesh = model.template();
+        let mut parts = body_parts(mesh, FRAME, Par::all()).unwrap();
+        let lowest = (0..mesh.vertices().len())
+            .min_by(|&v, &w| mesh.vertices()[v][2].total_cmp(&mesh.vertices()[w][2]))
+            .unwrap();
+        // The upper half, and a vertex of a foot.
+        assert!(!std::mem::replace(&mut parts[0][1][lowest], true));
+        let pairs = part_pairs(mesh, &parts[..1], Par::all()).unwrap();
+        let (_, expected) = body_pairs(mesh, FRAME, Par::all()).unwrap().remove(0);
+        assert_eq!(pairs[0].as_ref().unwrap(), &expected.unwrap());
     }
 
     #[test]

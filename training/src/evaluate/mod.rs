@@ -14,7 +14,9 @@ mod study;
 mod warning;
 
 pub use baselines::{Minimum, Nearest, Perceptron, Weyl};
-pub use body_cuts::{BODY_CUTS, BodyCut, Frame, body_pairs};
+pub use body_cuts::{
+    BODY_CUTS, BodyCut, Frame, body_pairs, body_parts, mirrored_union, part_pairs,
+};
 pub use clouds::{CloudError, body_clouds};
 pub use held_out::{Bodies, held_out};
 pub use metrics::{Associativity, Errors, Predictor, associativity, errors, select};

@@ -58,6 +58,11 @@ impl Gallery {
         )
     }
 
+    /// Takes these shapes.
+    pub fn of(shapes: Vec<Query>) -> Self {
+        Self(shapes)
+    }
+
     /// Returns the shapes that are also there in another pose, as queries.
     pub fn queries(&self) -> Vec<Query> {
         self.0.iter().copied().filter(|q| self.has_another(q.identity, q.pose)).collect()

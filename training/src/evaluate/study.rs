@@ -1,7 +1,7 @@
 use std::collections::BTreeSet;
 
-use catamaran::Result;
 use catamaran::base::Rng;
+use catamaran::{Error, Result};
 use catamaran_geometry::unions::{K, MetricOptions, RetrievalMetric};
 
 use super::oracle::{log_errors, with_errors};
@@ -64,6 +64,27 @@ impl RetrievalStudy {
             }
         }
         Ok(Self { gallery, truth, predicted, errors, poses })
+    }
+
+    /// Takes complete shapes, each of an identity in a pose, as the gallery and as the poses to
+    /// which metrics are fitted, and the predicted spectra of some of them as queries, to whose
+    /// errors metrics are fitted: a metric never to those of the identity of its query.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for a prediction of a shape that is not among the shapes.
+    pub fn of_shapes(shapes: Vec<Query>, predicted: Vec<Query>) -> Result<Self> {
+        let truth = |query: &Query| {
+            let of = (query.identity, query.pose);
+            let found = shapes.iter().find(|shape| (shape.identity, shape.pose) == of);
+            let why = || format!("identity {} in pose {} is no shape", of.0, of.1);
+            found.copied().ok_or_else(|| Error::Argument { what: "predicted", why: why() })
+        };
+        let truth = predicted.iter().map(truth).collect::<Result<Vec<_>>>()?;
+        let errors = predicted.iter().zip(&truth);
+        let errors = errors.map(|(p, t)| (p.identity, log_errors(&p.spectrum, &t.spectrum)));
+        let errors = errors.collect();
+        let poses = shapes.iter().map(|shape| (shape.identity, shape.spectrum)).collect();
+        Ok(Self { gallery: Gallery::of(shapes), truth, predicted, errors, poses })
     }
 
     /// Returns the numbers of samples to which metrics are fitted: of predictions, and of poses.
@@ -278,6 +299,27 @@ mod tests {
         }
         let errors = study.errors_by_index();
         assert!(errors.iter().all(|error| (error - 0.01).abs() < 1e-12));
+    }
+
+    #[test]
+    fn a_study_of_shapes_is_that_of_a_data_set_of_them() {
+        let dataset = dataset();
+        let of_dataset = RetrievalStudy::new(&Multiple(1.01), &dataset).unwrap();
+        let shapes = Gallery::new(&dataset).queries();
+        let predicted =
+            |query: &Query| Query { spectrum: query.spectrum.map(|x| 1.01 * x), ..*query };
+        let predicted: Vec<Query> = shapes.iter().map(predicted).collect();
+        let study = RetrievalStudy::of_shapes(shapes.clone(), predicted.clone()).unwrap();
+        assert_eq!(study.fitted_to(), [COUNT, COUNT]);
+        let options = MetricOptions::new();
+        for source in [Source::Predicted, Source::True] {
+            let found = study.euclidean(source).unwrap();
+            assert_eq!(found, of_dataset.euclidean(source).unwrap());
+            let found = study.by_likelihood(source, &options).unwrap();
+            assert_eq!(found, of_dataset.by_likelihood(source, &options).unwrap());
+        }
+        let refused = RetrievalStudy::of_shapes(shapes[1..].to_vec(), predicted).err().unwrap();
+        assert!(refused.to_string().contains("identity 0 in pose 0"), "{refused}");
     }
 
     #[test]

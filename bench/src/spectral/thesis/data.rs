@@ -56,6 +56,19 @@ impl Data {
         self.folder.join(BCICP).join("Dataset").join(name)
     }
 
+    /// Returns the path of a remeshed registration of FAUST, the person in tens and the pose in
+    /// ones, with the vertices of about 5,000 points that all registrations have, and those of
+    /// their mirror images.
+    ///
+    /// # Errors
+    /// When a list of vertices can't be read.
+    pub fn registration(&self, number: usize) -> Result<(PathBuf, [Vec<u32>; 2])> {
+        let folder = self.set("FAUST").join("vtx_5k");
+        let name = format!("tr_reg_{number:03}");
+        let of = |ending| lines(&folder.join("corres").join(format!("{name}{ending}")));
+        Ok((folder.join(format!("{name}.off")), [of(".vts")?, of(".sym.vts")?]))
+    }
+
     /// Returns the pairs of the repository's list for this set of shapes.
     fn listed(&self, set: &str) -> Result<Vec<(String, String)>> {
         let path = self.set(set).join("test_pairs.txt");

@@ -1,6 +1,7 @@
 //! Chapter 2: spectral unions of partial shapes.
 
 pub mod bodies;
+mod faust;
 mod real;
 mod retrieval;
 mod trained;
