@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use faer::Mat;
 
 use super::byte_size::byte_size;
-use super::workspace::ask_for_huge_pages;
+use super::huge_pages::ask_for_huge_pages;
 use super::{Error, Result};
 
 /// The limit that a caller has set; 0 without one.

@@ -8,6 +8,7 @@ mod cores;
 mod disjoint;
 mod error;
 mod float_env;
+mod huge_pages;
 mod isa;
 mod memory;
 mod operations;

@@ -2,6 +2,7 @@ use std::alloc::Layout;
 use std::cell::Cell;
 use std::sync::{Mutex, TryLockError};
 
+use super::huge_pages::{HUGE_PAGE, ask_for_huge_pages};
 use super::memory::check_allocation;
 use super::plain::Plain;
 use super::{Error, Real, Result};
@@ -26,9 +27,6 @@ pub struct Workspace<T> {
     /// Elements before the first huge page.
     skipped: usize,
 }
-
-/// Bytes of a huge page.
-const HUGE_PAGE: usize = 2 << 20;
 
 impl<T: Real> Workspace<T> {
     /// Creates a workspace of `len` elements, all zero.
@@ -156,24 +154,6 @@ fn zeroed<T: Plain>(len: usize) -> Option<Vec<T>> {
         (!pointer.is_null()).then(|| Vec::from_raw_parts(pointer, len, len))
     }
 }
-
-/// Asks the system for huge pages where `block` has room for two of them: when they are touched,
-/// the system clears them many times faster than small ones.
-#[cfg(target_os = "linux")]
-pub(super) fn ask_for_huge_pages<T>(block: &mut [T]) {
-    if size_of_val(block) < 2 * HUGE_PAGE {
-        return;
-    }
-    let start = block.as_mut_ptr().cast::<u8>();
-    let skipped = start.align_offset(HUGE_PAGE);
-    let bytes = (size_of_val(block) - skipped) / HUGE_PAGE * HUGE_PAGE;
-    // SAFETY: whole pages inside the block, which is longer than what is skipped; the advice
-    // changes no contents, and may be refused.
-    unsafe { libc::madvise(start.add(skipped).cast(), bytes, libc::MADV_HUGEPAGE) };
-}
-
-#[cfg(not(target_os = "linux"))]
-pub(super) fn ask_for_huge_pages<T>(_block: &mut [T]) {}
 
 /// Memory for the duration of a call, with unspecified contents.
 ///

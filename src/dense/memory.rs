@@ -1,9 +1,9 @@
 //! Memory for matrices and for faer's work: refused memory is an error, not an abort.
 
 use faer::dyn_stack::{MemBuffer, StackReq};
-use faer::{Mat, MatMut, MatRef};
+use faer::{Mat, MatRef};
 
-use crate::base::{self, Error, Par, Result, SharedPtr, Workspace, check_allocation};
+use crate::base::{self, Error, Par, Result, SharedPtr, check_allocation};
 
 /// Returns a zero matrix.
 ///
@@ -45,39 +45,6 @@ pub fn columns(of: MatRef<'_, f64>, order: &[usize], par: Par) -> Result<Mat<f64
     Ok(matrix)
 }
 
-/// A matrix that is zero at first, in memory that the system clears where it is first accessed, by
-/// the thread that does so.
-pub struct LazyMat {
-    entries: Workspace<f64>,
-    rows: usize,
-    cols: usize,
-    stride: usize,
-}
-
-impl LazyMat {
-    /// Creates a zero matrix.
-    ///
-    /// # Errors
-    /// [`Error::OutOfMemory`] when memory is refused.
-    pub fn new(rows: usize, cols: usize) -> Result<Self> {
-        // Columns begin at cache lines.
-        let stride = rows.next_multiple_of(8);
-        Ok(Self { entries: Workspace::new(stride.saturating_mul(cols))?, rows, cols, stride })
-    }
-
-    /// Returns a view.
-    pub fn as_ref(&self) -> MatRef<'_, f64> {
-        let entries = &self.entries.as_slice()[..self.stride * self.cols];
-        MatRef::from_column_major_slice_with_stride(entries, self.rows, self.cols, self.stride)
-    }
-
-    /// Returns a view for writing.
-    pub fn as_mut(&mut self) -> MatMut<'_, f64> {
-        let entries = &mut self.entries.as_mut_slice()[..self.stride * self.cols];
-        MatMut::from_column_major_slice_with_stride_mut(entries, self.rows, self.cols, self.stride)
-    }
-}
-
 /// Allocates the memory that a function of faer asks for.
 ///
 /// # Errors
@@ -105,17 +72,6 @@ mod tests {
                     }
                 }
             }
-        }
-    }
-
-    #[test]
-    fn a_lazy_matrix_is_zero_and_keeps_what_is_written() {
-        for (rows, cols) in [(0, 0), (0, 4), (5, 0), (1, 1), (13, 3), (70_001, 8)] {
-            let mut lazy = LazyMat::new(rows, cols).unwrap();
-            assert_eq!(lazy.as_ref(), Mat::<f64>::zeros(rows, cols));
-            let written = Mat::from_fn(rows, cols, |i, j| (i + 7 * j) as f64);
-            lazy.as_mut().copy_from(&written);
-            assert_eq!(lazy.as_ref(), written);
         }
     }
 }

@@ -15,7 +15,7 @@ pub(crate) use svd::right_singular;
 
 // For the other crates of this workspace: no part of the interface.
 #[doc(hidden)]
-pub use memory::{LazyMat, buffer, columns, filled, zeros};
+pub use memory::{buffer, columns, filled, zeros};
 #[doc(hidden)]
 pub use qr::qr_least_squares;
 #[doc(hidden)]

@@ -7,8 +7,8 @@ use super::options::EigenOptions;
 use super::space::{Inverse, Pencil};
 use crate::base::{Error, Par, Result, Rng, spend};
 use crate::dense::{
-    LazyMat, ROW_BLOCK, SymmetricEigen, copy, filled, for_row_blocks, multiply_in_place,
-    subtract_product, symmetric_eigen, transposed_product, zeros,
+    ROW_BLOCK, SymmetricEigen, copy, filled, for_row_blocks, multiply_in_place, subtract_product,
+    symmetric_eigen, transposed_product, zeros,
 };
 
 /// Columns of a block: a fast width for solves; finds multiplicities up to this number at once.
@@ -56,7 +56,7 @@ pub(crate) struct Krylov<'a> {
     /// Typical length of M phi.
     mass_norm: f64,
     /// V, then Q, then unused columns.
-    basis: LazyMat,
+    basis: Mat<f64>,
     len: usize,
     /// T, and below it the coupling of Q to the columns from `coupled` on.
     projected: Mat<f64>,
@@ -89,6 +89,8 @@ impl<'a> Krylov<'a> {
         options: &'a EigenOptions<'a>,
     ) -> Result<Self> {
         let (n, size) = (pencil.inner().rows().len(), basis_size(options.k) + WIDTH);
+        // The memory of the basis is cleared.
+        spend(n as f64 * size as f64)?;
         Ok(Self {
             pencil,
             options,
@@ -96,7 +98,7 @@ impl<'a> Krylov<'a> {
             offset: options.shift.map_or(0.0, |shift| sigma - shift),
             scale,
             mass_norm,
-            basis: LazyMat::new(n, size)?,
+            basis: zeros(n, size)?,
             len: 0,
             projected: zeros(size, size)?,
             coupled: 0,
