@@ -210,11 +210,13 @@ impl Scratch {
     }
 
     /// Makes scratch of the memory of a vector.
+    #[cfg(feature = "mpi")]
     pub(crate) fn from_vec(values: Vec<f64>) -> Self {
         Self(Workspace::from_vec(values))
     }
 
     /// Returns all elements.
+    #[cfg(feature = "mpi")]
     pub(crate) fn as_slice<T: Real>(&self) -> &[T] {
         let block = self.0.as_slice();
         let len = size_of_val(block) / size_of::<T>();
