@@ -6,7 +6,7 @@ mod output;
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Error, Result, bail};
+use anyhow::{Context, Error, Result, anyhow, bail};
 use catamaran::io::Output;
 use catamaran::solve::{LeastSquares, LeastSquaresOptions};
 use clap::ArgGroup;
@@ -176,7 +176,7 @@ struct Rows {
 /// what was named.
 fn with_column(error: Error, name: &str, columns: &[String]) -> Error {
     match columns.iter().any(|column| column == name) {
-        true => error.context(format!("A has a column {name}: name it by --by-column {name}")),
+        true => anyhow!("{error}; A has a column of that name: give --by-column {name}"),
         false => error,
     }
 }
