@@ -476,7 +476,7 @@ fn refused(error: catamaran::Error, args: &Args) -> anyhow::Error {
             let by_name = args.density_by.is_some();
             anyhow!("{}: {why}", if by_name { "--density-by" } else { "--density" })
         }
-        catamaran::Error::Argument { what: "curvature", why } => anyhow!("--curvature: {why}"),
+        error @ catamaran::Error::Argument { what: "curvature" | "first", .. } => as_option(error),
         catamaran::Error::Argument { what: "n" | "error", why } if args.error.is_some() => {
             anyhow!("--error: {why}")
         }

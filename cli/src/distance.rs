@@ -10,6 +10,7 @@ use anyhow::{Context, Result, bail};
 use catamaran::faer::Mat;
 use catamaran::io::{self as files, Output};
 use catamaran_geometry::curve::{Placement, place};
+use catamaran_geometry::mesh::vector::distance;
 use catamaran_geometry::mesh::{
     Components, Dijkstra, GeodesicPath, Geodesics, Graph, HeatMethod, HeatOptions, SearchLimits,
     Site, SurfacePoint, TraceEnd, TriMesh,
@@ -23,7 +24,7 @@ use crate::defaults::variant;
 use crate::input::MeshArgs;
 use crate::parse;
 use crate::picture::{Paint, PictureArgs};
-use crate::report::{report, seconds, status};
+use crate::report::{note, report, seconds, status};
 use crate::shape::Kind;
 
 /// Compute distances over a mesh, shortest paths and geodesics.
@@ -112,6 +113,9 @@ pub struct Args {
     force: Force,
 }
 
+/// Share of the diagonal of the mesh above which a point in space is far from it.
+const FAR: f64 = 0.1;
+
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum How {
     Heat,
@@ -144,6 +148,7 @@ pub fn run(args: &Args) -> Result<()> {
         }
     }
 
+    note_far(args, &mesh)?;
     let named = || args.mesh.display().to_string();
     let distances = if output.is_some() || picture.is_some() {
         Some(distances(args, &mesh).with_context(named)?)
@@ -170,6 +175,27 @@ pub fn run(args: &Args) -> Result<()> {
     let path = output.path().display().to_string();
     files::write(output, Mat::from_fn(distances.len(), 1, |v, _| distances[v]).as_ref())?;
     status!("written", path = path; "{path}")
+}
+
+/// Says which points in space are far from the vertices that they stand for, as they are in other
+/// units than the mesh.
+fn note_far(args: &Args, mesh: &TriMesh) -> Result<()> {
+    let [low, high] = mesh.bounding_box().unwrap_or_default();
+    for (option, sites) in [("--from", &args.from), ("--to", &args.to)] {
+        for site in sites {
+            let &Site::Near(point) = site else { continue };
+            let [x, y, z] = point;
+            let vertex = place(mesh, &[*site], Placement::Snap).context(option)?.vertices[0];
+            let gap = distance(point, mesh.vertices()[vertex as usize]);
+            if gap > FAR * distance(low, high) {
+                note(format_args!(
+                    "{option}: {x} {y} {z} is {gap:.3e} from the mesh, and stands for vertex \
+                     {vertex}: is it in the units of the mesh?"
+                ));
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Parses a point as files of samples have it.

@@ -14,7 +14,7 @@ use crate::common::Force;
 use crate::parse;
 use crate::progress::Bar;
 use crate::report::{note, status};
-use crate::rows::ROWS;
+use crate::rows::{COLUMNS, ROWS};
 
 /// Compute C = A^T A from the sums of parts of the rows (`ata --accumulator`).
 ///
@@ -66,10 +66,16 @@ fn merge<T: BlasReal>(args: &Args) -> Result<()> {
     let bar = Bar::new("merging");
     let mut sum: Option<Accumulator<T>> = None;
     let mut seen: Vec<(&PathBuf, Vec<(String, String)>)> = Vec::new();
+    // The first file that has names, and these.
+    let mut columns: Option<(&Path, String)> = None;
     for (i, path) in args.inputs.iter().enumerate() {
         bar.step(i as f64 / args.inputs.len() as f64)?;
         let next = read(path)?;
         let labels = next.labels().to_vec();
+        if let Some((_, names)) = labels.iter().find(|(name, _)| name == COLUMNS) {
+            let (first, others) = columns.get_or_insert_with(|| (path, names.clone()));
+            check_columns((path, names), (first, others))?;
+        }
         // Merged sums keep only the labels that their parts share: those of A, if it is one file.
         let same = seen
             .iter()
@@ -124,6 +130,19 @@ fn merge<T: BlasReal>(args: &Args) -> Result<()> {
         note(format_args!("{}", unbounded.text()));
     }
     write_matrix(output, c.as_ref())
+}
+
+/// Checks that sums are of columns with the names, one in a line, of those of a file before.
+fn check_columns((path, own): (&Path, &str), (other, others): (&Path, &str)) -> Result<()> {
+    match own.lines().zip(others.lines()).enumerate().find(|(_, (name, other))| name != other) {
+        None => Ok(()),
+        Some((j, (name, others))) => bail!(
+            "{}: sums of other columns than {}: column {j} (counted from 0) is {name:?}, and \
+             {others:?} there",
+            path.display(),
+            other.display()
+        ),
+    }
 }
 
 /// Returns whether labels say which rows of a file the sums are of, as those of `ata` do but for

@@ -288,9 +288,11 @@ impl Sink<'_> {
         }
         match &mut self.output {
             Some(output) => {
+                // Without quotes, numbers in the first row would be read as data.
+                let has_number = titles.iter().any(|title| title.parse::<f64>().is_ok());
                 let row = self.rows.map(|_| "row".to_owned());
-                let titles = row.into_iter().chain(titles.iter().map(|title| quoted(title)));
-                let titles: Vec<String> = titles.collect();
+                let titles = row.into_iter().chain(titles);
+                let titles: Vec<String> = titles.map(|title| quoted(&title, has_number)).collect();
                 writeln!(output, "{}", titles.join(",")).map_err(|e| output.error(e))?;
             }
             None => {
@@ -361,9 +363,9 @@ impl Sink<'_> {
     }
 }
 
-/// Returns a field of a table, in quotes where it needs them.
-fn quoted(field: &str) -> String {
-    match field.contains([',', '"', '\n', '\r']) {
+/// Returns a field of a table, in quotes where it or the caller needs them.
+fn quoted(field: &str, always: bool) -> String {
+    match always || field.contains([',', '"', '\n', '\r']) {
         true => format!("\"{}\"", field.replace('"', "\"\"")),
         false => field.to_owned(),
     }

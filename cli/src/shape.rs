@@ -230,6 +230,10 @@ impl Prepared<'_> {
         let (vertices, par) = (self.vertices(), self.options.par());
         let Self { file, path, operator, len, options: of, .. } = self;
         let named = || path.display().to_string();
+        let rows = operator.stiffness.rows();
+        if len > rows {
+            bail!("{}: {len} eigenpairs, where {rows} vertices are free: -k", named());
+        }
         let bar = Bar::new("spectrum");
         let update = |fraction| bar.update(fraction);
         let options = EigenOptions::new().k(len).par(par).progress(&update);

@@ -96,8 +96,9 @@ pub struct Args {
     /// Compute approximate pairs, in less memory and, of a million vertices, in two thirds of the
     /// time: those of the mesh decimated to this number of vertices, interpolated to all vertices
     /// and improved there. Eigenvalues are too large: by 0.1 % on average and 0.5 % at most for
-    /// scans with even triangles and 100 times as many VERTICES as pairs (-k), by several per cent
-    /// with fewer vertices or long thin triangles. Works with `--boundary neumann` only.
+    /// scans with even triangles, 5,000 VERTICES or more and 100 times as many as pairs (-k); by
+    /// several per cent with fewer vertices (2 % for a body of 1,000, which are few for its limbs)
+    /// or long thin triangles. Works with `--boundary neumann` only.
     #[arg(
         long,
         value_name = "VERTICES",

@@ -167,6 +167,9 @@ pub fn say(path: &Path, reading: &TableReading) -> Result<()> {
         header = reading.header,
         skipped_lines = reading.skipped_lines,
         index = reading.index,
+        trailing_separator = reading.trailing_separator,
+        commented_rows = reading.has_commented_rows,
+        escaped_quotes = reading.has_escaped_quotes,
         left_out = reading.left_out,
         dropped_rows = reading.dropped_rows,
         rounded_integers = reading.rounded.as_ref().map_or(0, |rounded| rounded.count);

@@ -48,6 +48,9 @@ const ZOOM: usize = 100;
 /// The default of --smooth-functions.
 const SMOOTH: usize = 20;
 
+/// Landmarks that are needed to tell a shape from its turned and mirrored images.
+const FEWEST: usize = 3;
+
 /// Number of eigenfunctions that --refine zoomout adds at a time to the map of landmarks or
 /// segments.
 const STEP: usize = 1;
@@ -97,7 +100,8 @@ pub struct Args {
     /// of the source, from 0.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["landmarks", "segments"])]
     points: Option<PathBuf>,
-    /// File with two columns: numbers of corresponding vertices of source and target, from 0.
+    /// File with two columns: numbers of corresponding vertices of source and target, from 0, in
+    /// three rows or more.
     #[arg(long, value_name = "FILE")]
     landmarks: Option<PathBuf>,
     /// Files with corresponding segments, with or instead of landmarks: one for the source and one
@@ -564,6 +568,14 @@ fn fitted(
     let update = |fraction| bar.update(fraction);
     let mut fit = MapFit::new(&low.0, &low.1, args.laplacian.par()).progress(&update);
     if !pairs.is_empty() {
+        if segments.is_none() && pairs.len() < FEWEST {
+            let landmarks = if pairs.len() == 1 { "landmark" } else { "landmarks" };
+            note(format_args!(
+                "{} {landmarks}, where {FEWEST} are needed to tell a shape from its turned and \
+                 mirrored images: check the result, or leave out --landmarks for a search",
+                pairs.len()
+            ));
+        }
         fit.landmarks(pairs)?;
         if args.operators {
             fit.kernels(pairs, all.0, all.1)?;

@@ -2,23 +2,59 @@
 
 use std::io::{self, BufRead, Read};
 
-use flate2::bufread::MultiGzDecoder;
+use flate2::bufread::GzDecoder;
 
 use super::packing::{damaged, truncated};
 
-/// A file being unpacked.
-pub(super) struct Unpacker<R>(MultiGzDecoder<R>);
+/// The byte with which a member begins.
+const START: u8 = 0x1f;
+
+/// A file being unpacked: a member of it, or nothing behind the last one.
+pub(super) struct Unpacker<R>(Option<GzDecoder<R>>);
 
 impl<R: BufRead> Unpacker<R> {
     /// Creates an unpacker of a packed file at its start.
     pub(super) fn new(packed: R) -> Self {
-        Self(MultiGzDecoder::new(packed))
+        Self(Some(GzDecoder::new(packed)))
     }
 }
 
 impl<R: BufRead> Read for Unpacker<R> {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
-        self.0.read(out).map_err(|e| plain(e, ".gz"))
+        loop {
+            let Some(member) = &mut self.0 else { return Ok(0) };
+            let count = member.read(out).map_err(|e| plain(e, ".gz"))?;
+            if count > 0 || out.is_empty() {
+                return Ok(count);
+            }
+            self.0 = match self.0.take() {
+                Some(member) => next(member.into_inner())?,
+                None => None,
+            };
+        }
+    }
+}
+
+/// Returns the member that follows another, if one does. Zeros, with which tapes and blocks are
+/// filled, are none.
+fn next<R: BufRead>(mut packed: R) -> io::Result<Option<GzDecoder<R>>> {
+    let mut is_filled = false;
+    loop {
+        let held = packed.fill_buf()?;
+        let zeros = held.iter().take_while(|&&byte| byte == 0).count();
+        match held.get(zeros) {
+            Some(&START) if zeros == 0 && !is_filled => {
+                return Ok(Some(GzDecoder::new(packed)));
+            }
+            Some(_) => {
+                let what = "damaged .gz file: behind what is packed there are other bytes";
+                return Err(io::Error::other(what));
+            }
+            None if zeros == 0 => return Ok(None),
+            None => {}
+        }
+        packed.consume(zeros);
+        is_filled = true;
     }
 }
 
@@ -60,6 +96,14 @@ mod tests {
     }
 
     #[test]
+    fn zeros_behind_the_last_member_are_no_content() {
+        for zeros in [1, 4, 512, 1 << 20] {
+            let filled = [&packed("one\n")[..], &vec![0; zeros]].concat();
+            assert_eq!(unpacked(&filled).unwrap(), "one\n", "{zeros}");
+        }
+    }
+
+    #[test]
     fn errors_say_whether_the_file_is_truncated_or_damaged() {
         let whole = packed(&"some text\n".repeat(100));
         for cut in 1..whole.len() {
@@ -73,7 +117,9 @@ mod tests {
             let error = unpacked(&bytes).unwrap_err().to_string();
             assert!(error == damaged || error.starts_with("truncated"), "{at}: {error}");
         }
-        let more = [&whole[..], b"and more than that"].concat();
-        assert_eq!(unpacked(&more).unwrap_err().to_string(), damaged);
+        for other in [&b"and more than that"[..], b"\0\0and more", b"\0\x1f\x8b"] {
+            let error = unpacked(&[&whole[..], other].concat()).unwrap_err().to_string();
+            assert_eq!(error, "damaged .gz file: behind what is packed there are other bytes");
+        }
     }
 }

@@ -13,7 +13,7 @@ use super::extents::padded_bytes;
 use super::matrix::{Dense, Matrix};
 use super::rounding::RoundedIntegers;
 use super::source::Source;
-use super::table::rounded_words;
+use super::table::{option, rounded_words};
 use crate::base::{Result, push, reserved};
 
 #[derive(Clone, Copy, PartialEq)]
@@ -146,11 +146,12 @@ fn header(source: &mut Source<'_>) -> Result<Header> {
     let line = source.next_line()?.unwrap_or_default().to_ascii_lowercase();
     let words: Vec<&str> = line.split_ascii_whitespace().collect();
     let ["%%matrixmarket", "matrix", layout, field, symmetry] = words[..] else {
-        return Err(source.fail(
+        let format = option("format");
+        return Err(source.fail(format!(
             "broken MatrixMarket header: expected \
              '%%MatrixMarket matrix coordinate|array real|integer|complex|pattern \
-             general|symmetric|skew-symmetric|hermitian'",
-        ));
+             general|symmetric|skew-symmetric|hermitian'; {format} = table reads other text"
+        )));
     };
     let coordinate = match layout {
         "coordinate" => true,

@@ -97,8 +97,8 @@ impl FileFormat {
                 let head = source.peek(HEAD)?;
                 // The first letters of a header may be those of another format.
                 let is_text = named.is_some() && head.iter().all(|byte| *byte >= b'\t');
-                let is_mtx = head.get(..MTX.len()).is_some_and(|s| s.eq_ignore_ascii_case(MTX));
                 match &head[..] {
+                    head if begins_mtx(head) => Self::Mtx,
                     _ if is_text => Self::Table,
                     [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => Self::Npy,
                     [b'P', b'A', b'R', b'1' | b'E', ..] => Self::Parquet,
@@ -110,7 +110,6 @@ impl FileFormat {
                                     RowFile in Rust, `catamaran ata FILE:/dataset`";
                         return Err(source.fail(what));
                     }
-                    _ if is_mtx => Self::Mtx,
                     _ => Self::Table,
                 }
             }
@@ -119,8 +118,11 @@ impl FileFormat {
     }
 }
 
-/// How a MatrixMarket file begins.
-const MTX: &[u8] = b"%%MatrixMarket";
+/// Returns whether a file that begins with these bytes is a matrix of MatrixMarket.
+pub(super) fn begins_mtx(head: &[u8]) -> bool {
+    const START: &[u8] = b"%%MatrixMarket";
+    head.get(..START.len()).is_some_and(|start| start.eq_ignore_ascii_case(START))
+}
 
 impl MatrixFormat {
     /// Returns the format of a file, and whether it is gzipped.

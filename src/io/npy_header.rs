@@ -6,6 +6,7 @@ use std::io::{self, Read, Write};
 use std::iter::repeat_n;
 
 use super::extents::{padded_bytes, tuple};
+use super::table::option;
 
 const MAGIC: [u8; 6] = *b"\x93NUMPY";
 
@@ -51,7 +52,11 @@ pub(super) fn read(source: &mut impl Read) -> io::Result<Header> {
     source.by_ref().take(8).read_to_end(&mut start)?;
     // A short file that begins otherwise is no truncated array.
     if !MAGIC.starts_with(&start[..start.len().min(MAGIC.len())]) {
-        return Err(broken("magic bytes of numpy are missing, so it is not an npy file"));
+        let format = option("format");
+        return Err(broken(format!(
+            "magic bytes of numpy are missing, so it is not an npy file; {format} = table reads \
+             text"
+        )));
     }
     let [.., major, minor] = <[u8; 8]>::try_from(&start[..]).map_err(|_| truncated())?;
     let width = match (major, minor) {
@@ -460,7 +465,7 @@ mod tests {
     #[test]
     fn other_files_versions_and_truncated_headers_are_refused() {
         let missing = "broken npy header: magic bytes of numpy are missing, so it is not an npy \
-                       file";
+                       file; option `format` = table reads text";
         for other in [&b"PK\x03\x04 an archive"[..], b"PK\x03\x04", b"1,2\n", b"\x93NUMP\n"] {
             assert_eq!(refusal(other), missing);
         }

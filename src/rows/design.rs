@@ -333,12 +333,23 @@ impl DesignRows<'_> {
             let block = &mut self.block[..count * n];
             self.table.read(row, MatMut::from_row_major_slice_mut(block, count, n))?;
             for i in 0..count {
-                let row = &self.block[i * n..(i + 1) * n];
-                self.design.code(row, codes, |k, x| out[(done + i, k)] = x)?;
+                let entries = &self.block[i * n..(i + 1) * n];
+                let coded = self.design.code(entries, codes, |k, x| out[(done + i, k)] = x);
+                coded.map_err(|e| in_row(e, row + i))?;
             }
             done += count;
         }
         Ok(())
+    }
+}
+
+/// Returns the error of an entry with its row in the table.
+fn in_row(error: Error, row: usize) -> Error {
+    match error {
+        Error::Argument { what, why } => {
+            Error::Argument { what, why: format!("{why}, in row {row} (counted from 0)") }
+        }
+        error => error,
     }
 }
 
@@ -360,10 +371,9 @@ impl Design {
                 }
                 DesignColumn::Indicators(j, factor) => {
                     let (entry, count) = (row[*j], column.width());
-                    let unknown = || factor.refused(format!("has no level for {entry}"));
                     let level = match entry.is_nan() {
                         true => None,
-                        false => Some(factor.level_of(entry).ok_or_else(unknown)?),
+                        false => Some(factor.level_of(entry).ok_or_else(|| factor.unknown(entry))?),
                     };
                     if let Some(code) = codes.as_mut().filter(|_| column.is_coded()) {
                         set(*code, level.map_or(f64::NAN, |level| level as f64));
@@ -450,7 +460,8 @@ mod tests {
         let matrix = read(&design(moved), &mat![[0.0], [1.0]], 9).unwrap();
         assert_eq!(matrix, mat![[0.0, 0.0], [1.0, 0.0]]);
         let refused = read(&design(factor), &mat![[3.0]], 9).unwrap_err();
-        assert_eq!(refused.to_string(), "factor: f has no level for 3");
+        let expected = "factor: f has no level 3, but a, b, c, in row 0 (counted from 0)";
+        assert_eq!(refused.to_string(), expected);
     }
 
     #[test]

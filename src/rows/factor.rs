@@ -231,7 +231,7 @@ impl Factor {
         }
     }
 
-    fn unknown(&self, level: &str) -> Error {
+    pub(super) fn unknown(&self, level: impl std::fmt::Display) -> Error {
         /// Most levels that the message lists.
         const MOST: usize = 8;
         let known = self.levels.iter().take(MOST).cloned().collect::<Vec<_>>().join(", ");
@@ -239,7 +239,7 @@ impl Factor {
         self.refused(format!("has no level {level}, but {known}{more}"))
     }
 
-    pub(super) fn refused(&self, why: impl std::fmt::Display) -> Error {
+    fn refused(&self, why: impl std::fmt::Display) -> Error {
         Error::Argument { what: "factor", why: format!("{} {why}", self.name) }
     }
 }

@@ -28,8 +28,8 @@ use crate::progress::{self, Bar};
 use crate::ranks::{Ranks, Scalar};
 use crate::report::{report, seconds, status};
 use crate::rows::{
-    Begun, CheckpointArgs, Part, RowList, Shown, Source, Watched, add_rows, check_same_weights,
-    fingerprint, labels_with_rows, open, read_weights,
+    Begun, COLUMNS, CheckpointArgs, Part, RowList, Shown, Source, Watched, add_rows,
+    check_same_weights, fingerprint, labels_with_rows, open, read_weights,
 };
 use crate::tables::{MatrixArgs, MatrixFile};
 use crate::{backend, picture};
@@ -602,7 +602,10 @@ impl Work<'_> {
     fn labels(&self, options: &AtaOptions<'_>) -> Vec<(String, String)> {
         let args = self.args;
         let weights = self.weights.map_or("none".into(), |w| format!("{:016x}", fingerprint(w)));
-        [
+        let names = self.a.selected_names().unwrap_or_default().join("\n");
+        let names = self.ranks.text_of_first(names);
+        let columns = (!names.is_empty()).then_some((COLUMNS, names));
+        let labels = [
             ("A", self.ranks.text_of_first(self.a.identity())),
             ("weights", weights),
             ("centring", if self.centered() { "mean" } else { "none" }.into()),
@@ -610,9 +613,8 @@ impl Work<'_> {
             ("accuracy", format!("{:?}", args.accuracy).to_lowercase()),
             ("reproducible", args.reproducible.to_string()),
             ("back end", options.backend.name().into()),
-        ]
-        .map(|(name, value)| (name.to_owned(), value))
-        .into()
+        ];
+        labels.into_iter().chain(columns).map(|(name, value)| (name.to_owned(), value)).collect()
     }
 
     /// Reports the product of `m` rows, and the time.

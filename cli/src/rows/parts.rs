@@ -13,6 +13,9 @@ use super::list::RowList;
 /// are not yet.
 pub const ROWS: &str = "rows";
 
+/// The label of the names of the columns, one in a line.
+pub const COLUMNS: &str = "columns";
+
 /// A file of a checkpoint.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CheckpointFile {

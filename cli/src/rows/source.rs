@@ -36,6 +36,8 @@ pub struct Source {
     names: Vec<String>,
     /// The columns of a file of rows that are used.
     chosen: Vec<usize>,
+    /// Whether the caller chose columns.
+    is_selected: bool,
 }
 
 enum Content {
@@ -96,7 +98,8 @@ impl Source {
             names = content.names.clone();
             Content::Whole(content)
         };
-        Ok(Self { name: name.into(), content, names, chosen })
+        let is_selected = !options.columns.is_all();
+        Ok(Self { name: name.into(), content, names, chosen, is_selected })
     }
 
     /// Returns the path of the file.
@@ -180,6 +183,12 @@ impl Source {
             None => numbers[j].to_string(),
         };
         (0..numbers.len()).map(name).collect()
+    }
+
+    /// Returns the names of the columns, unless they are all columns of a file without names.
+    pub fn selected_names(&self) -> Option<Vec<String>> {
+        let is_named = self.names.iter().any(|name| !name.is_empty());
+        (is_named || self.is_selected).then(|| self.column_names())
     }
 
     /// Returns whether the matrix is read block by block.

@@ -137,6 +137,20 @@ fn result_is_the_same_bytes_for_every_format_block_and_number_of_threads() {
 }
 
 #[test]
+fn predictions_of_targets_without_names_are_read_back() {
+    let folder = Folder::new();
+    let entry = |i: usize| ((i * i + 7 * i) % 23) as f64 / 4.0;
+    folder.write_npy("x.npy", &[20, 2], &(0..40).map(entry).collect::<Vec<_>>());
+    folder.write_npy("y.npy", &[20, 2], &(40..80).map(entry).collect::<Vec<_>>());
+    folder.succeed("lstsq x.npy y.npy -o m.json");
+    folder.succeed("predict m.json x.npy -o p.csv");
+    let text = fs::read_to_string(folder.path("p.csv")).unwrap();
+    assert!(text.starts_with("\"0\",\"1\"\n"), "{text}");
+    let report = folder.succeed("ata p.csv");
+    assert!(report.contains("p.csv: 20 x 2"), "{report}");
+}
+
+#[test]
 fn json_of_a_small_problem() {
     let folder = Folder::new();
     folder.write("a.csv", "a b,t,y\n1,0,1\n1,1,3\n1,2,5\n");
@@ -314,7 +328,7 @@ fn factors_have_the_coefficients_of_r_and_predict_by_their_levels() {
     assert_close(&predicted("x.json"), &predicted("y.json"), 1e-13);
     folder.write("new.csv", "cyl,wt\n5,3\n");
     let message = folder.fail("predict x.json new.csv");
-    assert!(message.contains("new.csv: factor: cyl has no level for 5"), "{message}");
+    assert!(message.contains("new.csv: factor: cyl has no level 5, but "), "{message}");
     for (option, said) in [
         ("cyl=5", "cars.csv: factor: cyl has no level 5, but 4, 6, 8"),
         ("color", "cars.csv: no column color for --factor; A has cyl, wt"),

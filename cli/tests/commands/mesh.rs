@@ -737,3 +737,19 @@ fn generated_meshes_are_those_of_the_library_by_their_names() {
     let help = words.join(" ");
     assert!(help.contains("ALONG of a cylinder is the number of rings of cells"), "{help}");
 }
+
+#[test]
+fn points_in_other_units_than_the_mesh_are_noted() {
+    let folder = Folder::new();
+    folder.write("square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
+    let note = |point: &str| {
+        let mut command = folder.program();
+        command.args(["distance", "square.obj", "--from", point, "-o", "d.csv", "--force"]);
+        let run = command.output().unwrap();
+        assert!(run.status.success(), "{run:?}");
+        String::from_utf8(run.stderr).unwrap()
+    };
+    assert_eq!(note("1.05 1.05 0"), "");
+    let said = "note: --from: 300 400 0 is 4.986e2 from the mesh, and stands for vertex 2";
+    assert!(note("300 400 0").starts_with(said), "{}", note("300 400 0"));
+}

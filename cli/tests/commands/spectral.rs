@@ -99,6 +99,10 @@ fn coordinates_are_transferred_along_points_and_landmarks() {
     for how in ["none", "icp"] {
         folder.succeed(&format!("{common} --landmarks pairs.txt --refine {how} -o {how}.csv"));
     }
+    // Too few to tell the sphere from its turned and mirrored images.
+    folder.write("few.txt", format!("0 {}\n17 {}\n", target(0), target(17)));
+    let run = folder.run(&format!("{common} --landmarks few.txt -o few.csv"));
+    assert!(run.stderr.contains("note: 2 landmarks, where 3 are needed"), "{}", run.stderr);
     // Without a correspondence, a search finds the same points.
     let searched = format!("{common} --zoom 40 -o searched.npy --points-output searched.txt");
     let said = folder.succeed(&searched);

@@ -381,6 +381,44 @@ fn sums_of_parts_merge_to_the_whole() {
 }
 
 #[test]
+fn sums_of_other_columns_do_not_merge() {
+    let folder = Folder::new();
+    folder.write("a.csv", "x,y\n1,10\n2,20\n");
+    folder.write("b.csv", "y,x\n30,3\n40,4\n");
+    folder.write("c.csv", "x,y\n30,3\n40,4\n");
+    folder.write("d.csv", "5,6\n");
+    for (sums, of) in [
+        ("a", "a.csv"),
+        ("b", "b.csv"),
+        ("c", "c.csv"),
+        ("d", "d.csv"),
+        ("x", "a.csv --columns x"),
+        ("y", "a.csv --columns y"),
+        ("first", "d.csv --columns 0"),
+        ("second", "d.csv --columns 1"),
+    ] {
+        folder.succeed(&format!("ata {of} --accumulator {sums}.sums"));
+    }
+    let names = |j: usize, name: &str, other: &str| {
+        format!("column {j} (counted from 0) is \"{name}\", and \"{other}\" there")
+    };
+    for (files, names) in [
+        ("a.sums b.sums", names(0, "y", "x")),
+        ("d.sums a.sums c.sums b.sums", names(0, "y", "x")),
+        ("x.sums y.sums", names(0, "y", "x")),
+        ("first.sums second.sums", names(0, "1", "0")),
+    ] {
+        let refusal = folder.fail(&format!("ata-merge {files} -o m.csv"));
+        let path = files.split(' ').next_back().unwrap();
+        assert!(refusal.contains(&format!("{path}: sums of other columns than")), "{refusal}");
+        assert!(refusal.contains(&names), "{refusal}");
+    }
+    // A file without names has those of the others.
+    folder.succeed("ata-merge a.sums c.sums d.sums -o m.npy");
+    assert_eq!(folder.read_npy::<f64>("m.npy", &[2; 2]), [2530.0, 330.0, 330.0, 561.0]);
+}
+
+#[test]
 fn rows_that_count_twice_are_noted() {
     let folder = Folder::new();
     folder.write("a.csv", "1,2\n3,4\n");

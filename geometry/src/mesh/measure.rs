@@ -141,8 +141,8 @@ impl TriMesh {
         (0..).zip(self.faces()).filter(|(_, face)| flat(face)).map(|(f, _)| f).collect()
     }
 
-    /// Returns the lowest and the highest coordinates of the vertices; `None` when there are no
-    /// vertices.
+    /// Returns the lowest and the highest coordinates of the surface, or of all vertices when there
+    /// are no faces; `None` when there are no vertices. A vertex in no face is not of the surface.
     ///
     /// ```
     /// use catamaran_geometry::mesh::families;
@@ -151,10 +151,15 @@ impl TriMesh {
     /// # Ok::<(), catamaran::Error>(())
     /// ```
     pub fn bounding_box(&self) -> Option<[[f64; 3]; 2]> {
-        let &first = self.vertices().first()?;
-        Some(self.vertices().iter().fold([first, first], |[low, high], p| {
+        let corners = self.faces().as_flattened().iter().map(|&v| self.vertices()[v as usize]);
+        let grown = |[low, high]: [[f64; 3]; 2], p: [f64; 3]| {
             [std::array::from_fn(|k| low[k].min(p[k])), std::array::from_fn(|k| high[k].max(p[k]))]
-        }))
+        };
+        let box_of = |points: &mut dyn Iterator<Item = [f64; 3]>| {
+            let first = points.next()?;
+            Some(points.fold([first, first], grown))
+        };
+        box_of(&mut corners.into_iter()).or_else(|| box_of(&mut self.vertices().iter().copied()))
     }
 
     /// Checks that areas of the mesh can be computed: coordinates are at most 1e70, and the longest

@@ -4,7 +4,7 @@ use std::fs;
 
 use catamaran_geometry::mesh::io::{
     Attribute, GltfEncoding, Material, MeshFile, MeshFormat, PlyEncoding, StlEncoding, read,
-    read_bytes, write, write_as, write_with_material,
+    read_bytes, write, write_as, write_bytes, write_with_material,
 };
 use catamaran_geometry::mesh::{TriMesh, families};
 
@@ -189,6 +189,42 @@ fn attributes_that_are_not_finite_are_not_written() {
         file.normals = Some(Attribute { values: vec![[0.0, wrong, 1.0]; 4], corners: None });
         assert!(write(create(&path), &file).is_err() && !path.exists());
     }
+}
+
+#[test]
+fn attributes_of_corners_come_back_or_are_named() {
+    // The corners of two faces differ at their common edge.
+    let mut file = MeshFile::from(families::grid(1, 1).unwrap());
+    let corners = Some(vec![[0, 1, 2], [3, 4, 5]]);
+    let uv = (0..6).map(|i| [f64::from(i) / 8.0, 0.5]).collect();
+    let normal = |i: usize| if i < 3 { [0.0, 0.6, 0.8] } else { [0.8, 0.0, 0.6] };
+    file.uv = Some(Attribute { values: uv, corners: corners.clone() });
+    file.normals = Some(Attribute { values: (0..6).map(normal).collect(), corners });
+    for ending in ["obj", "ply", "off", "stl", "glb", "vtk", "gii", "3mf"] {
+        let format = MeshFormat::of(format!("a.{ending}").as_ref()).unwrap();
+        let (bytes, notes) = write_bytes(&file, format).unwrap();
+        let back = read_bytes(&bytes, format).unwrap();
+        let said = notes.join(" ");
+        let is_kept = same_corners(&file.uv, &file.mesh, &back.uv, &back.mesh);
+        assert!(is_kept || said.contains("texture coordinates"), "{ending}: {notes:?}");
+        let is_kept = same_corners(&file.normals, &file.mesh, &back.normals, &back.mesh);
+        assert!(is_kept || said.contains("normals"), "{ending}: {notes:?}");
+    }
+}
+
+/// Returns whether two meshes have the same values at the corners of each face.
+fn same_corners<const N: usize>(
+    a: &Option<Attribute<N>>,
+    a_mesh: &TriMesh,
+    b: &Option<Attribute<N>>,
+    b_mesh: &TriMesh,
+) -> bool {
+    let (Some(a), Some(b)) = (a, b) else { return false };
+    let near = |(x, y): (&f64, &f64)| (x - y).abs() < 1e-6;
+    (0..a_mesh.faces().len()).all(|f| match (a.of_face(a_mesh, f), b.of_face(b_mesh, f)) {
+        (Some(a), Some(b)) => a.as_flattened().iter().zip(b.as_flattened()).all(near),
+        _ => false,
+    })
 }
 
 #[test]

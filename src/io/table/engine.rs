@@ -30,6 +30,8 @@ pub(super) struct Engine<R> {
     pub layout: Layout,
     /// The integers that were rounded so far.
     pub rounded: Option<RoundedIntegers>,
+    /// Whether a comment so far would be a row without the sign of comments.
+    pub has_commented_rows: bool,
     pieces: Vec<Piece>,
     par: Par,
 }
@@ -85,7 +87,7 @@ impl<R: Read> Engine<R> {
     pub fn new(text: Text<R>, layout: Layout, par: Par) -> Self {
         let par = par.at_most(MOST_PIECES);
         let pieces = (0..par.threads()).map(|_| Piece::new(&layout)).collect();
-        Self { text, layout, rounded: None, pieces, par }
+        Self { text, layout, rounded: None, has_commented_rows: false, pieces, par }
     }
 
     /// Reads some rows, or only counts them; `None` at the end of the file. The rows are those of
@@ -117,6 +119,10 @@ impl<R: Read> Engine<R> {
             }
             let mut batch = Batch::default();
             let (mut bytes, mut lines) = (0, 0);
+            let last = self.pieces.iter().rposition(Piece::has_records).unwrap_or(0);
+            for piece in &mut self.pieces[..last] {
+                piece.fill_gap(&self.layout);
+            }
             for piece in &self.pieces {
                 if let Some(fault) = &piece.fault {
                     return Err(self.text.fail(lines + fault.line, fault.what.clone()));
@@ -126,8 +132,15 @@ impl<R: Read> Engine<R> {
                     let place = || format!("line {line}, {}", more.column);
                     RoundedIntegers::add(&mut self.rounded, more.count, place);
                 }
+                self.has_commented_rows |= piece.has_commented_row;
                 batch.rows += piece.rows;
                 batch.dropped += piece.dropped;
+                // Whether blank lines mean anything, the next record decides.
+                if let Some(gap) = piece.gap.as_ref().filter(|_| !is_last) {
+                    bytes += gap.bytes;
+                    lines += gap.line;
+                    break;
+                }
                 bytes += piece.bytes;
                 lines += piece.lines;
             }

@@ -19,7 +19,7 @@ use crate::base::{Error, Real, Result, push};
 use crate::io::ReadOptions;
 use crate::io::columns::Columns;
 use crate::io::limits::{longest_line, memory_limit};
-use crate::io::names::{FileFormat, lower_name};
+use crate::io::names::{FileFormat, begins_mtx, lower_name};
 use crate::io::packing::Packing;
 use crate::io::rows::{CHANGED, Stamp, canonical, check_rows, seekable};
 use crate::io::source::{error, error_at};
@@ -84,10 +84,11 @@ impl TextFile {
         let (_, named) = Packing::of(&lower_name(path));
         let packing = named.or_of_content(text.held());
         packing.check(text.held()).map_err(|e| error_at(path, None, e))?;
-        // A binary file, which has the name of a text.
-        let is_binary = options.format.is_none() && text.held().contains(&0);
+        // Of another format, in spite of its name.
+        let is_other =
+            options.format.is_none() && (text.held().contains(&0) || begins_mtx(text.held()));
         if packing != Packing::None
-            || is_binary
+            || is_other
             || encoding::detect(text.held(), table.encoding.as_deref())?.is_some()
         {
             return Ok(None);
@@ -113,6 +114,7 @@ impl TextFile {
         factors.sort(&mut [], engine.layout.ncols.max(1));
         factors.give_levels(&mut reading);
         reading.dropped_rows = dropped;
+        reading.has_commented_rows = engine.has_commented_rows;
         reading.rounded = engine.rounded.take();
         Ok(Some(Self {
             path: path.into(),

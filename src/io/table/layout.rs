@@ -6,7 +6,7 @@ use super::encoding;
 use super::foreign;
 use super::message::{excerpt, fields, option};
 use super::missing::MissingWords;
-use super::number::{self, NOTATIONS, Notation, PLAIN, Readings};
+use super::number::{self, NOTATIONS, Notation, PLAIN, POINTS_OF_THOUSANDS, Readings};
 use super::options::{Missing, Separator, TableOptions, Words};
 use super::reading::{ColumnKind, TableColumn, TableReading, called};
 use super::sample::{Cell, Sample, SampleRow, divide};
@@ -30,6 +30,9 @@ const LINE_ENDS: [&str; 4] = ["\r", "\u{85}", "\u{2028}", "\u{2029}"];
 /// Numbers of a first row that are the least or the greatest of their columns by a smaller chance
 /// than this may be names.
 const CHANCE: f64 = 0.01;
+
+/// Columns that the first row hardly counts by chance if it is the only one of integers.
+const SURE: usize = 4;
 
 /// What is done with a field of each record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -428,7 +431,7 @@ impl Found<'_> {
             index: index && self.columns.is_all(),
             trailing_separator: trailing > 0,
             has_escaped_quotes: self.syntax.has_escapes,
-            has_commented_rows: self.has_commented_rows(&kinds),
+            has_commented_rows: false,
             left_out,
             columns,
             dropped_rows: 0,
@@ -541,7 +544,9 @@ impl Found<'_> {
             return Ok(Header::Names);
         }
         let names = self.comment_names(ncells);
-        if names.is_empty() && ncells > 1 && self.may_be_names(&cells, width, true) {
+        let is_doubtful =
+            || self.may_be_names(&cells, width, true) || self.counts_columns(&cells, width);
+        if names.is_empty() && ncells > 1 && is_doubtful() {
             return Err(self.two_readings());
         }
         Ok(Header::No(names))
@@ -638,6 +643,46 @@ impl Found<'_> {
             last = value;
         }
         is_far || must_be_integers && chance < CHANCE
+    }
+
+    /// Returns whether the first row counts the columns from 0 or 1, as pandas names those without
+    /// names, and hardly would as a row of data. If no other row counts, that is so where
+    /// - there are [`SURE`] columns or more, and no other number is an integer, or
+    /// - the numbers of the first row would all be there by a small chance ([`CHANCE`]): each
+    ///   number of a column is as likely to be the first. Of fewer columns than [`SURE`], this
+    ///   holds only for unsorted ones, and there must be two.
+    fn counts_columns(&self, cells: &[Cell], width: usize) -> bool {
+        let count = |field: &Vec<u8>| -> Option<u64> {
+            let is_count = field.iter().all(u8::is_ascii_digit);
+            std::str::from_utf8(field).ok().filter(|_| is_count)?.parse().ok()
+        };
+        let counts = |row: &SampleRow| {
+            let mut numbers = row.fields.iter().take(cells.len()).map(count);
+            let first = numbers.next().flatten();
+            first.is_some_and(|first| numbers.zip(first + 1..).all(|(n, next)| n == Some(next)))
+        };
+        let first = &self.sample.rows[0];
+        if count(&first.fields[0]).is_none_or(|first| first > 1)
+            || !counts(first)
+            || self.rows(1, width).any(counts)
+        {
+            return false;
+        }
+        let has_many = cells.len() >= SURE;
+        let (mut chance, mut used) = (1.0, 0);
+        for j in 0..cells.len() {
+            let value = any_reading(&first.fields[j]);
+            let others: Vec<f64> =
+                self.rows(1, width).filter_map(|row| any_reading(&row.fields[j])).collect();
+            if has_many || !others.is_sorted() && !others.iter().rev().is_sorted() {
+                let equal = others.iter().filter(|&&other| Some(other) == value).count();
+                chance *= (equal + 1) as f64 / (others.len() + 1) as f64;
+                used += 1;
+            }
+        }
+        let has_integers =
+            || self.rows(1, width).any(|row| row.fields.iter().any(|field| count(field).is_some()));
+        has_many && !has_integers() || used > 1 && chance < CHANCE
     }
 
     /// Returns whether the first row has three numbers or more with equal steps, of 100 or more; or
@@ -737,17 +782,6 @@ impl Found<'_> {
             true => fields.iter().map(|field| encoding::text(field).into_owned()).collect(),
             false => Vec::new(),
         }
-    }
-
-    /// Returns whether there are comments that would be rows without the sign of comments.
-    fn has_commented_rows(&self, kinds: &[Kind]) -> bool {
-        let is_row = |line: &Vec<u8>| {
-            let fits =
-                |(kind, f): (&Kind, &Vec<u8>)| *kind == Kind::Words || self.cell(f) != Cell::Word;
-            let fields = self.in_comment(line, kinds.len());
-            kinds.len() > 1 && fields.is_some_and(|fields| kinds.iter().zip(&fields).all(fits))
-        };
-        self.sample.later_comments.iter().any(is_row)
     }
 
     /// Returns the fields of a comment if there are as many as columns.
@@ -860,10 +894,11 @@ impl Found<'_> {
         let mut notations =
             (0..NOTATIONS.len()).filter(|i| left >> i & 1 == 1).map(|i| NOTATIONS[i]);
         let Some(chosen) = notations.next() else { return Ok(PLAIN) };
-        if chosen == PLAIN {
-            return Ok(PLAIN);
-        }
-        for other in notations {
+        // Where semicolons separate, commas are decimal and points may be between thousands.
+        let has_semicolons = self.syntax.between == Between::Byte(b';');
+        let is_other =
+            |other: &Notation| chosen != PLAIN || has_semicolons && *other == POINTS_OF_THOUSANDS;
+        for other in notations.filter(is_other) {
             for (line, j, field) in numbers() {
                 if !self.cell(field).is_number() {
                     continue;

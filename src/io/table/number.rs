@@ -19,12 +19,15 @@ const MINUS: char = '\u{2212}';
 /// The usual notation.
 pub(super) const PLAIN: Notation = Notation { decimal: '.', thousands: None };
 
+/// That of 1.234,5.
+pub(super) const POINTS_OF_THOUSANDS: Notation = Notation { decimal: ',', thousands: Some('.') };
+
 /// All notations, the likelier first.
 pub(super) const NOTATIONS: [Notation; 8] = [
     PLAIN,
     Notation { decimal: ',', thousands: None },
     Notation { decimal: '.', thousands: Some(',') },
-    Notation { decimal: ',', thousands: Some('.') },
+    POINTS_OF_THOUSANDS,
     Notation { decimal: '.', thousands: Some(' ') },
     Notation { decimal: ',', thousands: Some(' ') },
     Notation { decimal: '.', thousands: Some('\'') },

@@ -7,7 +7,8 @@ use super::layout::{Layout, Use};
 use super::message::{excerpt, fields, option};
 use super::number;
 use super::options::Missing;
-use super::splitter::{Found, Splitter};
+use super::sample::has_torn_field;
+use super::splitter::{Between, Found, Splitter, comment_start};
 
 /// What is wrong with a record.
 #[derive(Debug)]
@@ -58,8 +59,22 @@ pub(super) struct Piece {
     pub bytes: usize,
     pub fault: Option<Fault>,
     pub rounded: Option<Rounded>,
+    /// Whether a comment would be a row without the sign of comments.
+    pub has_commented_row: bool,
     /// Whether the first record is the first one of the table.
     pub is_start: bool,
+    /// The blank lines behind the last record.
+    pub gap: Option<Gap>,
+}
+
+/// Blank lines behind a record of a table of one column, where an empty cell is a blank line. They
+/// are missing cells if a record follows, and nothing at the end of the file.
+#[derive(Debug)]
+pub(super) struct Gap {
+    /// Bytes and lines of the piece before the first of them.
+    pub bytes: usize,
+    pub line: usize,
+    pub lines: usize,
 }
 
 /// Integers that were rounded.
@@ -90,7 +105,9 @@ impl Piece {
             bytes: 0,
             fault: None,
             rounded: None,
+            has_commented_row: false,
             is_start: false,
+            gap: None,
         }
     }
 
@@ -98,7 +115,8 @@ impl Piece {
     pub fn clear(&mut self) {
         self.values.clear();
         (self.rows, self.dropped, self.lines, self.bytes) = (0, 0, 0, 0);
-        (self.fault, self.rounded) = (None, None);
+        (self.fault, self.rounded, self.gap) = (None, None, None);
+        self.has_commented_row = false;
         self.levels.iter_mut().for_each(|levels| *levels = Levels::default());
     }
 
@@ -106,9 +124,16 @@ impl Piece {
     pub fn read(&mut self, layout: &Layout, text: &[u8], is_last: bool, counts_only: bool) {
         self.clear();
         let has_long = number::may_be_rounded(text, layout.notation);
+        let has_gaps = layout.uses.len() == 1;
         while self.bytes < text.len() {
             let rest = &text[self.bytes..];
             let (found, bytes) = self.splitter.step(rest, is_last, !counts_only || has_long);
+            if found == Found::Record {
+                self.fill_gap(layout);
+                if self.fault.is_some() {
+                    return;
+                }
+            }
             match found {
                 Found::Nothing => return,
                 Found::Record if counts_only => {
@@ -117,7 +142,7 @@ impl Piece {
                         self.count_rounded(layout, rest);
                     }
                 }
-                Found::Record => match self.row(layout, rest) {
+                Found::Record => match self.row(layout, rest, bytes) {
                     Ok(Row::Kept) => {
                         self.rows += 1;
                         if has_long {
@@ -130,7 +155,15 @@ impl Piece {
                         return;
                     }
                 },
-                Found::Blank | Found::Comment => {}
+                Found::Blank if has_gaps => {
+                    let (bytes, line) = (self.bytes, self.lines);
+                    self.gap.get_or_insert(Gap { bytes, line, lines: 0 }).lines += 1;
+                }
+                Found::Blank => {}
+                Found::Comment => {
+                    self.has_commented_row =
+                        self.has_commented_row || self.is_row(layout, &rest[..bytes]);
+                }
             }
             let line_end = layout.syntax.line_end;
             // A record without quotes is a line.
@@ -145,10 +178,54 @@ impl Piece {
         }
     }
 
-    /// Appends the entries of the record that begins `text`, or returns what is wrong with it.
-    fn row(&mut self, layout: &Layout, text: &[u8]) -> Result<Row, String> {
+    /// Returns whether the piece has records.
+    pub fn has_records(&self) -> bool {
+        self.rows > 0 || self.dropped > 0 || self.fault.is_some()
+    }
+
+    /// Treats the blank lines behind the last record as missing cells.
+    pub fn fill_gap(&mut self, layout: &Layout) {
+        let Some(Gap { line, lines, .. }) = self.gap.take() else { return };
+        match missing(layout, 0, b"") {
+            Ok(true) => self.dropped += lines as u64,
+            Ok(false) => {
+                self.rows += lines;
+                self.values.resize(self.values.len() + lines * layout.ncols, f64::NAN);
+            }
+            Err(what) => {
+                let what =
+                    format!("a blank line is an empty cell of a table of one column: {what}");
+                self.fault = Some(Fault { line, what });
+            }
+        }
+    }
+
+    /// Returns whether a comment would be a row without the sign of comments.
+    fn is_row(&mut self, layout: &Layout, comment: &[u8]) -> bool {
+        let is_sign = |byte: &u8| *byte == layout.syntax.comment || byte.is_ascii_whitespace();
+        let start = comment.iter().position(|byte| !is_sign(byte)).unwrap_or(comment.len());
+        let (text, width) = (&comment[start..], layout.uses.len());
+        if width == 1 || self.splitter.step(text, true, true).0 != Found::Record {
+            return false;
+        }
+        let fits = |(j, used): (usize, &Use)| match used {
+            Use::Number(_) => !matches!(value(layout, self.splitter.field(text, j)), Cell::Wrong),
+            Use::Empty => self.splitter.field(text, j).is_empty(),
+            Use::Word(..) | Use::Skip => true,
+        };
+        self.splitter.len() == width && layout.uses.iter().enumerate().all(fits)
+    }
+
+    /// Appends the entries of the record of `bytes` that begins `text`, or returns what is wrong
+    /// with it.
+    fn row(&mut self, layout: &Layout, text: &[u8], bytes: usize) -> Result<Row, String> {
         if self.splitter.is_open() {
             return Err("a quote that starts in this row is not closed".into());
+        }
+        if self.swallows_lines(layout, &text[..bytes]) {
+            return Err("a field in quotes has several lines, and text behind its closing quote: \
+                        a quote is missing, or one too many"
+                .into());
         }
         if self.splitter.len() != layout.uses.len() && !self.differs_by_empty_fields(layout, text) {
             return Err(self.ragged(layout));
@@ -220,6 +297,15 @@ impl Piece {
         }
     }
 
+    /// Returns whether quotes join the lines of a record, but not as writers set them.
+    fn swallows_lines(&self, layout: &Layout, record: &[u8]) -> bool {
+        let Between::Byte(separator) = layout.syntax.between else { return false };
+        let inner = &record[..record.len().max(1) - 1];
+        self.splitter.had_quotes()
+            && memchr::memchr(layout.syntax.line_end, inner).is_some()
+            && has_torn_field(record, separator, layout.syntax)
+    }
+
     /// Returns whether the record, which begins `text`, has more or fewer fields than others only
     /// because of separators at its end.
     fn differs_by_empty_fields(&self, layout: &Layout, text: &[u8]) -> bool {
@@ -246,17 +332,21 @@ impl Piece {
         if number::readings(field) != 0 {
             return format!("{cell} is not a number; {decimal} or {thousands} may make it one");
         }
+        let [words, columns, comment] = ["missing_words", "columns", "comment"].map(option);
+        if comment_start(field, layout.syntax.comment).is_some() {
+            let sign = char::from(layout.syntax.comment);
+            return format!("{cell} is not a number; {comment} = {sign} ends rows before it");
+        }
         let is_first = self.is_start && self.rows == 0 && self.dropped == 0;
         if is_first && layout.has_header {
             let line: Vec<&[u8]> =
                 (0..self.splitter.len()).map(|j| self.splitter.field(text, j)).collect();
             return format!(
-                "{cell} is not a number, in the row below the header; {skip} leaves lines at the \
-                 start out: {}",
+                "{cell} is not a number, in the row below the header: {}; {words} adds it to the \
+                 words of missing cells, {skip} leaves lines at the start out",
                 excerpt(&line.join(&b' '))
             );
         }
-        let [words, columns] = ["missing_words", "columns"].map(option);
         format!(
             "{cell} is not a number; {words} adds it to the words of missing cells, {columns} \
              leaves the column out"

@@ -129,6 +129,36 @@ fn numbers_that_may_be_names_need_an_option() {
 }
 
 #[test]
+fn a_first_row_that_counts_the_columns_needs_an_option() {
+    let counted = |first: usize, n: usize| {
+        (first..first + n).map(|j| j.to_string()).collect::<Vec<_>>().join(",") + "\n"
+    };
+    let rows = |m: usize, n: usize, entry: &dyn Fn(usize, usize) -> String| -> String {
+        let row = |i: usize| (0..n).map(|j| entry(i, j)).collect::<Vec<_>>().join(",") + "\n";
+        (0..m).map(row).collect()
+    };
+    let noise = |i: usize, j: usize| (i * 7919 + j * 104_729 + i * i * j) % 997;
+    let fraction = |i: usize, j: usize| format!("{:.3}", noise(i, j) as f64 / 10.0 + 0.001);
+    let byte = |i: usize, j: usize| (noise(i, j) % 256).to_string();
+    for first in [0, 1] {
+        for (m, n) in [(1, 4), (2, 4), (3, 20), (12, 2), (8, 3), (1000, 20)] {
+            let text = counted(first, n) + &rows(m, n, &fraction);
+            refused(&text, &auto(), 1, &["names of columns", "`header`"]);
+        }
+        refused(&(counted(first, 50) + &rows(9, 50, &byte)), &auto(), 1, &["`header`"]);
+    }
+    // As the start of a curve, or as rows that count on.
+    for text in [
+        "0,1\n0.1,0.995\n0.2,0.980\n0.3,0.955\n".to_owned(),
+        "0,1,2\n0.1,1.2,1.9\n0.2,1.3,1.7\n".into(),
+        rows(30, 5, &|i, j| (5 * i + j).to_string()),
+        rows(30, 5, &|i, j| (i + j).to_string()),
+    ] {
+        assert_eq!(content(&text, &auto()).unwrap().matrix.nrows(), text.lines().count(), "{text}");
+    }
+}
+
+#[test]
 fn a_word_makes_a_header_of_years() {
     let text = "sample,400,410\ns1,0.10,0.20\ns2,0.11,0.25\n";
     let rows: &[&[f64]] = &[&[0.10, 0.20], &[0.11, 0.25]];
@@ -433,6 +463,13 @@ fn rows_that_are_comments_are_mentioned() {
     check(all, &percent, &[&[2.0], &[5.0]], &["x"]);
     let reading = check("id x\n1 2\n# twice\n# or more\n3 5\n4 4\n", &auto(), SMALL, names);
     assert!(reading.is_plain(), "{reading}");
+    // Behind the beginning that decides how the table is read.
+    let mut text = String::from("x,y\n# 1 and 2\n") + &"1,2\n".repeat(20_000);
+    assert!(content(&text, &auto()).unwrap().reading.unwrap().is_plain());
+    text.push_str("#3,4\n5,6\n");
+    assert!(content(&text, &auto()).unwrap().reading.unwrap().has_commented_rows);
+    text.push_str("3,4 # c\n");
+    refused(&text, &auto(), 20_005, &["\"4 # c\" is not a number", "`comment` = # ends rows"]);
 }
 
 #[test]
@@ -519,6 +556,8 @@ fn the_content_says_what_a_name_does_not() {
         ("a.dat", text.to_vec(), 3),
         ("a.asc", text.to_vec(), 3),
         ("a.txt", text.to_vec(), 3),
+        ("market.csv", market.to_vec(), 1),
+        ("market.txt.gz", gzip(market), 1),
         ("packed", gzip(text), 3),
         ("packed.csv", gzip(text), 3),
         ("packed.dat.gz", gzip(text), 3),
@@ -713,6 +752,80 @@ fn options_out_of_their_range_are_named() {
     ] {
         let error = content("1,2\n", &options(table)).map(drop_reading).unwrap_err();
         assert!(matches!(&error, Error::Argument { what, .. } if *what == name), "{error}");
+    }
+}
+
+#[test]
+fn blank_lines_between_the_rows_of_one_column_are_missing_cells() {
+    let with = |missing| options(TableOptions::new().missing(missing));
+    for text in ["x\n1\n\n2\n", "x\r\n1\r\n\r\n2\r\n", "x\n1\n  \n# a\n2\n\n\n", "\nx\n1\n\n2"] {
+        let line = if text.starts_with('\n') { 4 } else { 3 };
+        refused(
+            text,
+            &auto(),
+            line,
+            &["a blank line", "column 1 (x): nothing", "`missing` = drop"],
+        );
+        let reading = check(text, &with(Missing::Drop), &[&[1.0], &[2.0]], &["x"]);
+        assert_eq!(reading.dropped_rows, 1, "{text:?}");
+        check(text, &with(Missing::Nan), &[&[1.0], &[f64::NAN], &[2.0]], &["x"]);
+    }
+    // Below the header, and between words.
+    check("x\n\n1\n2\n", &with(Missing::Nan), &[&[f64::NAN], &[1.0], &[2.0]], &["x"]);
+    let words = options(TableOptions::new().words(Words::Factor).missing(Missing::Nan));
+    check("c\nb\n\na\n", &words, &[&[1.0], &[f64::NAN], &[0.0]], &["c"]);
+    // Elsewhere they divide nothing.
+    check("\n1\n2\n\n", &auto(), &[&[1.0], &[2.0]], &[]);
+    check("1,2\n\n3,5\n\n4,4\n", &auto(), SMALL, &[]);
+}
+
+#[test]
+fn blank_lines_are_counted_where_threads_divide_the_text() {
+    // Runs of them, one longer than a piece, with comments in between.
+    let (mut text, mut expected) = (String::from("x\n"), Vec::new());
+    for i in 0..400_000_usize {
+        let blanks = if i == 200_000 { 3 << 20 } else { usize::from(i % 1000 < 3) * (i % 5) };
+        if i > 0 {
+            text.extend(std::iter::repeat_n('\n', blanks));
+            expected.extend(std::iter::repeat_n(f64::NAN, blanks));
+        }
+        if i % 5000 == 0 {
+            text.push_str("# here\n");
+        }
+        text.push_str(&format!("{i}.5\n"));
+        expected.push(i as f64 + 0.5);
+    }
+    let expected = Mat::from_fn(expected.len(), 1, |i, _| expected[i]);
+    let folder = Folder::new();
+    let path = folder.file("a.csv", &text);
+    for threads in [1, 3] {
+        let par = Par::Threads(threads);
+        let options = options(TableOptions::new().missing(Missing::Nan).par(par));
+        same(&doubles(&read_file(&path, &options).unwrap().matrix), &expected);
+        let mut file = TableFile::open(&path, &options).unwrap().unwrap();
+        assert_eq!(file.nrows(), expected.nrows());
+        let mut blocks = Mat::<f64>::zeros(file.nrows(), 1);
+        for first in (0..file.nrows()).step_by(500_000).rev() {
+            let count = 500_000.min(file.nrows() - first);
+            file.read(first, blocks.as_mut().subrows_mut(first, count)).unwrap();
+        }
+        same(&blocks, &expected);
+    }
+}
+
+#[test]
+fn quotes_that_swallow_rows_are_refused() {
+    let text = "n,a\nx,1\n\"y,2\nq,7\nr,8\n\"z,3\nw,4\n";
+    refused(text, &auto(), 3, &["several lines", "text behind its closing quote"]);
+    let text = "n,a\nx,1\n\"y\nq\",2\n\"\"\"z\"\"\n\",3\n";
+    check(text, &auto(), &[&[1.0], &[2.0], &[3.0]], &["a"]);
+}
+
+#[test]
+fn points_between_semicolons_may_be_between_thousands() {
+    refused("a;b\n1.234;2\n3.456;4\n", &auto(), 2, &["1.234", "1234", "`thousands`"]);
+    for (text, first) in [("a;b\n1.234;2\n0.456;4\n", 1.234), ("a;b\n1.25;2\n0.456;4\n", 1.25)] {
+        check(text, &auto(), &[&[first, 2.0], &[0.456, 4.0]], &["a", "b"]);
     }
 }
 

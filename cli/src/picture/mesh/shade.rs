@@ -1,5 +1,5 @@
-use catamaran_geometry::mesh::TriMesh;
 use catamaran_geometry::mesh::vector::{Vector, dot, sub, unit};
+use catamaran_geometry::mesh::{Adjacency, TriMesh};
 
 use super::camera::{Camera, Projected};
 use super::lamp::LAMPS;
@@ -16,8 +16,8 @@ pub const GLOSS: (f64, i32) = (0.10, 28);
 const RIM: f64 = 0.45;
 /// Share of the light on the inside of an open surface.
 const INSIDE: f64 = 0.55;
-/// Cosine of the angle between a face and the normal of its corner above which the corner is drawn
-/// as a sharp one (41 degrees): edges of a cube are, those of an icosahedron are not.
+/// Cosine of the angle between a face and the normal of its vertex beyond which the vertex is drawn
+/// as a sharp one (41 degrees): those of a cube are, those of an icosahedron are not.
 const CREASE: f64 = 0.75;
 /// Half the width of an edge, in pixels, and the share of the light on it.
 const EDGE: (f64, f64) = (0.5, 0.45);
@@ -33,10 +33,18 @@ pub struct Shader<'a> {
     edges: bool,
     /// Normals as the viewer sees them.
     face_normals: Vec<Vector>,
-    /// Normals of the vertices; empty for flat faces.
-    vertex_normals: Vec<Vector>,
+    /// Not for flat faces.
+    smooth: Option<Smooth>,
     /// Tangents of the faces, where a texture has normals.
     tangents: Vec<Tangent>,
+}
+
+/// What a surface is smoothed by.
+struct Smooth {
+    /// Normals of the vertices; `None` for sharp ones.
+    normals: Vec<Option<Vector>>,
+    /// The faces around each vertex.
+    around: Adjacency,
 }
 
 impl<'a> Shader<'a> {
@@ -49,15 +57,17 @@ impl<'a> Shader<'a> {
     ) -> Self {
         let normals = panel.mesh.face_normals().into_iter();
         let face_normals: Vec<Vector> = normals.map(|n| camera.turn(n)).collect();
-        let vertex_normals =
-            if scene.smooth { vertex_normals(panel.mesh, &face_normals) } else { Vec::new() };
+        let smooth = scene.smooth.then(|| Smooth {
+            normals: vertex_normals(panel.mesh, &face_normals),
+            around: panel.mesh.vertex_faces(),
+        });
         let tangents = match panel.paint {
             Paint::Texture(texture @ Texture { material: Some(_), .. }) => {
                 Tangent::of_faces(panel.mesh, texture.uv, camera)
             }
             _ => Vec::new(),
         };
-        Self { panel, lights, points, edges: scene.edges, face_normals, vertex_normals, tangents }
+        Self { panel, lights, points, edges: scene.edges, face_normals, smooth, tangents }
     }
 
     /// Returns the light that a sample sends to the viewer.
@@ -70,11 +80,10 @@ impl<'a> Shader<'a> {
         let shares = weighted.map(|w| w / sum);
         let flat = self.face_normals[hit.face];
         let outside = self.is_outside(face);
-        let smooth = match &self.vertex_normals[..] {
-            [] => flat,
-            all => {
-                let sharp = CREASE * dot(flat, flat);
-                let at = |v: usize| if dot(all[v], flat) < sharp { flat } else { all[v] };
+        let smooth = match &self.smooth {
+            None => flat,
+            Some(Smooth { normals, around }) => {
+                let at = |v: usize| normals[v].unwrap_or_else(|| self.mean(around.row(v), v, flat));
                 mix(shares, face.map(at))
             }
         };
@@ -104,6 +113,17 @@ impl<'a> Shader<'a> {
             None => color.map(|c| c * factor + shine),
             Some(finish) => finish.light(color, factor, normal),
         }
+    }
+
+    /// Returns the normal of a sharp vertex in a face with the normal `flat`: the mean over the
+    /// faces around that are not turned away from it.
+    fn mean(&self, faces: &[u32], vertex: usize, flat: Vector) -> Vector {
+        let faces = faces.iter().map(|&f| f as usize);
+        let near = faces.filter(|&f| is_near(self.face_normals[f], flat));
+        unit(near.fold([0.0; 3], |sum, f| {
+            let angle = angle_at(self.panel.mesh, f, vertex);
+            std::array::from_fn(|i| sum[i] + angle * self.face_normals[f][i])
+        }))
     }
 
     /// Returns whether the visible side is the one from which the corners are counter-clockwise (y
@@ -159,20 +179,37 @@ pub fn gloss(normal: Vector) -> f64 {
     dot(normal, half).max(0.0).powi(GLOSS.1)
 }
 
+/// Returns whether a normal is near that of a face, which may be zero.
+fn is_near(normal: Vector, flat: Vector) -> bool {
+    dot(normal, flat) >= CREASE * dot(flat, flat)
+}
+
+/// Returns the angle of a face at one of its vertices.
+fn angle_at(mesh: &TriMesh, face: usize, vertex: usize) -> f64 {
+    let corners = mesh.faces()[face].map(|v| v as usize);
+    let k = corners.iter().position(|&v| v == vertex).unwrap_or(0);
+    let [p, a, b] = [0, 1, 2].map(|i| mesh.vertices()[corners[(k + i) % 3]]);
+    dot(unit(sub(a, p)), unit(sub(b, p))).clamp(-1.0, 1.0).acos()
+}
+
 /// Returns the normals of the vertices: means over the faces around, weighted by angles, so that it
-/// does not matter how a flat side is divided into faces.
-fn vertex_normals(mesh: &TriMesh, face_normals: &[Vector]) -> Vec<Vector> {
+/// does not matter how a flat side is divided into faces. A vertex is sharp, and has none, if one
+/// of its faces is turned away from the mean.
+fn vertex_normals(mesh: &TriMesh, face_normals: &[Vector]) -> Vec<Option<Vector>> {
     let mut sums = vec![[0.0; 3]; mesh.vertices().len()];
-    for (&face, normal) in mesh.faces().iter().zip(face_normals) {
-        let corners = face.map(|v| mesh.vertices()[v as usize]);
-        for (k, v) in face.into_iter().enumerate() {
-            let [a, b] = [1, 2].map(|i| unit(sub(corners[(k + i) % 3], corners[k])));
-            let angle = dot(a, b).clamp(-1.0, 1.0).acos();
-            let sum = &mut sums[v as usize];
-            *sum = std::array::from_fn(|i| sum[i] + angle * normal[i]);
+    for (f, (face, normal)) in mesh.faces().iter().zip(face_normals).enumerate() {
+        for v in face.map(|v| v as usize) {
+            let angle = angle_at(mesh, f, v);
+            sums[v] = std::array::from_fn(|i| sums[v][i] + angle * normal[i]);
         }
     }
-    sums.into_iter().map(unit).collect()
+    let mut normals: Vec<Option<Vector>> = sums.into_iter().map(|sum| Some(unit(sum))).collect();
+    for (face, &flat) in mesh.faces().iter().zip(face_normals) {
+        for v in face.map(|v| v as usize) {
+            normals[v] = normals[v].filter(|&normal| is_near(normal, flat));
+        }
+    }
+    normals
 }
 
 fn mix(shares: [f64; 3], corners: [Vector; 3]) -> Vector {

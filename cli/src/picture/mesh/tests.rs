@@ -83,6 +83,27 @@ fn faces_beside_sharp_edges_are_evenly_lit() {
 }
 
 #[test]
+fn a_flat_side_with_a_corner_that_points_inwards_is_evenly_lit() {
+    let outline = [[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]];
+    let corner = |z: u32| move |[x, y]: [u32; 2]| [x, y, z].map(f64::from);
+    let vertices = outline.map(corner(0)).into_iter().chain(outline.map(corner(1))).collect();
+    let flat = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]];
+    let bottom = flat.map(|[a, b, c]| [a, c, b]);
+    let top = flat.map(|face| face.map(|v| v + 6));
+    let next = |v: u32| (v + 1) % 6;
+    let sides = (0..6).flat_map(|v| [[v, next(v), v + 6], [next(v), next(v) + 6, v + 6]]);
+    let faces = bottom.into_iter().chain(top).chain(sides).collect();
+    let prism = TriMesh::new(vertices, faces).unwrap();
+    let mut image = render(&one(panel(&prism, Paint::Plain([200; 3])), 60)).unwrap();
+    let inner = at(&mut image, 26, 34);
+    for (x, y) in [(12, 12), (12, 48), (48, 48), (26, 20), (40, 34)] {
+        let other = at(&mut image, x, y);
+        let is_same = (0..3).all(|k| other[k].abs_diff(inner[k]) <= 1);
+        assert!(is_same, "{x} {y}: {other:?} {inner:?}");
+    }
+}
+
+#[test]
 fn pictures_of_the_same_scene_have_the_same_bytes() {
     let mesh = families::icosphere(3).unwrap();
     let values: Vec<f64> = mesh.vertices().iter().map(|p| p[0] * p[1]).collect();

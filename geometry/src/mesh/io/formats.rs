@@ -20,7 +20,9 @@ use catamaran::io::{Packing, Source};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Stored {
     LoneVertices,
+    /// Texture coordinates of vertices.
     Uv,
+    CornerUv,
     /// Normals of vertices.
     Normals,
     /// Normals of vertices and colours in one file.
@@ -38,7 +40,8 @@ impl Stored {
     fn words(self) -> Option<&'static str> {
         Some(match self {
             Self::LoneVertices => "vertices without a face",
-            Self::Uv => "texture coordinates",
+            Self::Uv => "texture coordinates of vertices",
+            Self::CornerUv => "texture coordinates of corners",
             Self::Normals => "normals of vertices",
             Self::NormalsBesideColors => return None,
             Self::CornerNormals => "normals of corners",
@@ -84,6 +87,7 @@ pub(super) static FORMATS: [Description; 11] = [
         stores: &[
             Stored::LoneVertices,
             Stored::Uv,
+            Stored::CornerUv,
             Stored::Normals,
             Stored::NormalsBesideColors,
             Stored::CornerNormals,
@@ -103,6 +107,7 @@ pub(super) static FORMATS: [Description; 11] = [
         stores: &[
             Stored::LoneVertices,
             Stored::Uv,
+            Stored::CornerUv,
             Stored::Normals,
             Stored::NormalsBesideColors,
             Stored::Colors,
@@ -139,6 +144,7 @@ pub(super) static FORMATS: [Description; 11] = [
         stores: &[
             Stored::LoneVertices,
             Stored::Uv,
+            Stored::CornerUv,
             Stored::Normals,
             Stored::NormalsBesideColors,
             Stored::CornerNormals,
@@ -312,6 +318,9 @@ impl MeshFormat {
     pub fn left_out(self, file: &MeshFile) -> Vec<&'static str> {
         let stores = |what| self.description().stores.contains(&what);
         let (colors, normals) = (file.colors.is_some(), file.normals.as_ref());
+        let uv = file.uv.as_ref();
+        let corner_uv = uv.is_some_and(|uv| uv.corners.is_some()) && !stores(Stored::CornerUv);
+        let uv = uv.map(|_| stores(Stored::Uv));
         let beside = colors && !stores(Stored::NormalsBesideColors);
         let of_corners = normals.is_some_and(|normals| normals.corners.is_some());
         let of_corners = of_corners && !beside && !stores(Stored::CornerNormals);
@@ -322,7 +331,8 @@ impl MeshFormat {
         let lone = !stores(Stored::LoneVertices) && has_lone_vertices(&file.mesh);
         let all = [
             (lone, "vertices without a face"),
-            (file.uv.is_some() && !stores(Stored::Uv), "texture coordinates"),
+            (uv == Some(false), "texture coordinates"),
+            (uv == Some(true) && corner_uv, "texture coordinates of corners"),
             (normals == Some(false), "normals"),
             (normals == Some(true) && beside, "normals beside colours"),
             (normals == Some(true) && of_corners, "normals of corners"),

@@ -7,8 +7,8 @@ use super::super::vector::{Vector, cross, dot, sub};
 /// Polygons of more corners stay fans: the crate earcut stores byte counts of its nodes in 32 bits.
 const MOST_CORNERS: usize = 1 << 16;
 
-/// A triangle of a fan is turned over if its signed area is below minus this fraction of the area
-/// of the polygon.
+/// A triangle has no area if that is at most this fraction of the area of the polygon, and is turned
+/// over if it is below minus this fraction.
 const TOLERANCE: f64 = 1e-9;
 
 /// Returns the triangles between the first corner of a polygon and each of its other edges.
@@ -25,11 +25,12 @@ pub(super) fn corners_of<T: Copy>(fan: &[[T; 3]]) -> Vec<T> {
     start.into_iter().chain(fan.iter().map(|triangle| triangle[1])).chain(end).collect()
 }
 
-/// Returns the triangles of a polygon whose fan does not cover it, as indices of corners: two
-/// triangles fewer than corners. Returns `None` where the fan is right, as for a convex polygon, or
-/// where the polygon crosses itself and has no triangulation.
+/// Returns the triangles of a polygon whose fan does not cover it or has triangles without area, as
+/// indices of corners: two triangles fewer than corners. Returns `None` where the fan is right, as
+/// for a convex polygon, or where the polygon crosses itself and has no triangulation.
 ///
 /// The polygon is cut in the plane of Newell's normal (Sutherland, Sproull and Schumacker 1974).
+/// Triangles without area, which corners in the middle of a straight side make, are flipped away.
 pub(super) fn not_a_fan(corners: &[Vector]) -> Option<Vec<[usize; 3]>> {
     let (&first, rest) = corners.split_first()?;
     if !(3..MOST_CORNERS).contains(&rest.len()) {
@@ -45,35 +46,83 @@ pub(super) fn not_a_fan(corners: &[Vector]) -> Option<Vec<[usize; 3]>> {
     if square.is_nan() || square <= 0.0 {
         return None;
     }
-    if areas.iter().all(|&area| dot(area, normal) >= -TOLERANCE * square) {
+    let shares: Vec<f64> = areas.iter().map(|&area| dot(area, normal) / square).collect();
+    if shares.iter().all(|&share| share > TOLERANCE) {
         return None;
     }
-    let normal = normal.map(|x| x / square.sqrt());
+    let is_covered = shares.iter().all(|&share| share >= -TOLERANCE);
+    let mut triangles = match is_covered {
+        true => (1..=rest.len() - 1).map(|i| [0, i, i + 1]).collect(),
+        false => ears(&local, normal.map(|x| x / square.sqrt()))?,
+    };
+    let share = |[a, b, c]: [usize; 3]| {
+        dot(cross(sub(local[b], local[a]), sub(local[c], local[a])), normal) / square
+    };
+    let is_flipped = flip_empty(&mut triangles, share);
+    (!is_covered || is_flipped).then(|| triangles.into_iter().map(ordered).collect())
+}
+
+/// Cuts a polygon into triangles in the plane of its unit normal; `None` if crate earcut does not
+/// find all of them.
+fn ears(corners: &[Vector], normal: Vector) -> Option<Vec<[usize; 3]>> {
     let across = [0, 1, 2].into_iter().min_by(|&a, &b| normal[a].abs().total_cmp(&normal[b].abs()));
     let mut axis = [0.0; 3];
     axis[across?] = 1.0;
     let right = cross(axis, normal);
     let up = cross(normal, right);
     let mut numbers: Vec<u32> = Vec::new();
-    let flat = local.iter().map(|&p| [dot(p, right), dot(p, up)]);
+    let flat = corners.iter().map(|&p| [dot(p, right), dot(p, up)]);
     Earcut::new().earcut(flat, &[], &mut numbers);
     let (triangles, _) = numbers.as_chunks::<3>();
-    if triangles.len() != corners.len() - 2 {
-        return None;
+    let found = triangles.iter().map(|triangle| ordered(triangle.map(|corner| corner as usize)));
+    (triangles.len() == corners.len() - 2).then(|| found.collect())
+}
+
+/// Returns a triangle with its corners in the order of the polygon, which gives it the orientation
+/// of that.
+fn ordered(mut triangle: [usize; 3]) -> [usize; 3] {
+    triangle.sort_unstable();
+    triangle
+}
+
+/// Flips edges of triangles without area, as long as the smaller of the two becomes larger, and
+/// returns whether one was flipped. `share` is the share of a triangle in the area of the polygon.
+fn flip_empty(triangles: &mut [[usize; 3]], share: impl Fn([usize; 3]) -> f64) -> bool {
+    let mut is_flipped = false;
+    // Each pass flips at least one edge, of which each triangle without area needs one.
+    for _ in 0..triangles.len() {
+        let mut is_done = true;
+        for i in 0..triangles.len() {
+            let own = triangles[i];
+            if share(own) > TOLERANCE {
+                continue;
+            }
+            // Over each edge ab, with c behind it, and d on the other side.
+            let flips = [0, 1, 2].into_iter().filter_map(|k| {
+                let [a, b, c] = [0, 1, 2].map(|shift| own[(k + shift) % 3]);
+                let other = |j: &usize| *j != i && [a, b].iter().all(|v| triangles[*j].contains(v));
+                let j = (0..triangles.len()).find(other)?;
+                let d = triangles[j].into_iter().find(|&v| v != a && v != b)?;
+                let least = |pair: [[usize; 3]; 2]| share(pair[0]).min(share(pair[1]));
+                let pair = [ordered([a, c, d]), ordered([b, c, d])];
+                (least(pair) > least([own, triangles[j]])).then_some((least(pair), j, pair))
+            });
+            if let Some((_, j, pair)) = flips.max_by(|x, y| x.0.total_cmp(&y.0)) {
+                [triangles[i], triangles[j]] = pair;
+                (is_flipped, is_done) = (true, false);
+            }
+        }
+        if is_done {
+            break;
+        }
     }
-    // Three corners in the order of the polygon have its orientation.
-    let ordered = |triangle: &[u32; 3]| {
-        let mut triangle = triangle.map(|corner| corner as usize);
-        triangle.sort_unstable();
-        triangle
-    };
-    Some(triangles.iter().map(ordered).collect())
+    is_flipped
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::vector::doubled_normal;
+    use crate::mesh::vector::{self, doubled_normal};
 
     #[test]
     fn convex_polygons_are_fans() {
@@ -112,6 +161,51 @@ mod tests {
                 area += doubled / 2.0;
             }
             assert!((area - 15.0).abs() < 1e-12, "{start}: {area}");
+        }
+    }
+
+    #[test]
+    fn corners_on_straight_sides_make_no_triangle_without_area() {
+        let straight = vec![[0, 0], [1, 0], [2, 0], [0, 2]];
+        let square = [[0, 0], [1, 0], [2, 0], [3, 0], [3, 1], [3, 3], [2, 3], [0, 3], [0, 2]];
+        let plus = [
+            [1, 0],
+            [2, 0],
+            [2, 1],
+            [3, 1],
+            [3, 2],
+            [2, 2],
+            [2, 3],
+            [1, 3],
+            [1, 2],
+            [0, 2],
+            [0, 1],
+            [1, 1],
+        ];
+        let t = [[1, 0], [2, 0], [2, 1], [2, 2], [3, 2], [3, 3], [2, 3], [0, 3], [0, 2], [1, 2]];
+        let polygons = [(straight, 2.0), (square.into(), 9.0), (plus.into(), 5.0), (t.into(), 5.0)];
+        for (polygon, area) in polygons {
+            // In a plane of the axes, and in one in which numbers are rounded.
+            for axes in [[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], [[0.1, 0.7, -0.3], [0.9, -0.2, 0.3]]] {
+                let place = |p: &[i32; 2]| {
+                    std::array::from_fn(|k| {
+                        f64::from(p[0]) * axes[0][k] + f64::from(p[1]) * axes[1][k]
+                    })
+                };
+                let scale = vector::norm(cross(axes[0], axes[1]));
+                for start in 0..polygon.len() {
+                    let mut corners: Vec<Vector> = polygon.iter().map(place).collect();
+                    corners.rotate_left(start);
+                    let numbers: Vec<usize> = (0..corners.len()).collect();
+                    let triangles = not_a_fan(&corners).unwrap_or_else(|| fan(&numbers).collect());
+                    assert_eq!(triangles.len(), corners.len() - 2);
+                    let areas = triangles
+                        .iter()
+                        .map(|t| vector::norm(doubled_normal(t.map(|i| corners[i]))) / 2.0 / scale);
+                    assert!(areas.clone().all(|area| area > 0.1), "{polygon:?} from {start}");
+                    assert!((areas.sum::<f64>() - area).abs() < 1e-12, "{polygon:?} from {start}");
+                }
+            }
         }
     }
 

@@ -112,13 +112,11 @@ impl Store for ParquetStore {
         const EXACT: i64 = 1 << f64::MANTISSA_DIGITS;
         let Some((leaf, entry)) = self.leaves[field] else { return false };
         // An unsigned integer beyond those with a sign is negative here.
-        let is_exact = |least: i64, most: i64| {
-            let least_exact = if entry == Entry::U64 { 0 } else { -EXACT };
-            least >= least_exact && most <= EXACT
-        };
+        let least_exact = if entry == Entry::U64 { 0 } else { -EXACT };
+        let is_exact = |bound: i64| (least_exact..=EXACT).contains(&bound);
         let is_known = |column: &ColumnChunkMetaData| match column.statistics() {
             Some(Statistics::Int64(found)) => match (found.min_opt(), found.max_opt()) {
-                (Some(&least), Some(&most)) => is_exact(least, most),
+                (Some(&least), Some(&most)) => is_exact(least) && is_exact(most),
                 _ => false,
             },
             _ => false,
