@@ -294,9 +294,10 @@ pub fn functions(path: &Path, rows: usize, table: &TableArgs) -> Result<Mat<f64>
 
 /// Reads a dense matrix of numbers.
 pub fn dense(path: &Path, table: &TableArgs) -> Result<Mat<f64>> {
-    let content = files::read_file(path, &table.read())?;
+    let options = table.read();
+    let content = files::read_file(path, &options)?;
     if let Some(reading) = &content.reading {
-        tables::say(path, reading)?;
+        tables::say(path, reading, &options)?;
     }
     if let Some(rounded) = &content.rounded {
         note(format_args!("{}: {rounded}", path.display()));

@@ -145,7 +145,7 @@ impl TableArgs {
 
 /// Says once how a table was read: in JSON always, and on stderr unless there was nothing to
 /// decide.
-pub fn say(path: &Path, reading: &TableReading) -> Result<()> {
+pub fn say(path: &Path, reading: &TableReading, options: &ReadOptions<'_>) -> Result<()> {
     let name = path.display().to_string();
     if !reading.is_plain() {
         note(format_args!("{name}: {reading}"));
@@ -153,6 +153,8 @@ pub fn say(path: &Path, reading: &TableReading) -> Result<()> {
     if !is_json() {
         return Ok(());
     }
+    // Of rows with NaN it is said later which are left out.
+    let dropped_rows = (options.table.missing != Missing::Nan).then_some(reading.dropped_rows);
     let separator = reading.separator.map(|separator| match separator {
         Separator::Char(c) => c.to_string(),
         _ => "blanks".into(),
@@ -171,7 +173,7 @@ pub fn say(path: &Path, reading: &TableReading) -> Result<()> {
         commented_rows = reading.has_commented_rows,
         escaped_quotes = reading.has_escaped_quotes,
         left_out = reading.left_out,
-        dropped_rows = reading.dropped_rows,
+        dropped_rows = dropped_rows,
         rounded_integers = reading.rounded.as_ref().map_or(0, |rounded| rounded.count);
         "{name}: {reading}"
     )

@@ -163,7 +163,10 @@ impl Ranks {
         let mut len = bytes.len() as u64;
         root.broadcast_into(&mut len);
         bytes.resize(len as usize, 0);
-        root.broadcast_into(&mut bytes[..]);
+        // MPI refuses the place of nothing.
+        if len > 0 {
+            root.broadcast_into(&mut bytes[..]);
+        }
         String::from_utf8_lossy(&bytes).into_owned()
     }
 

@@ -54,7 +54,7 @@ const STREAMED: u64 = 32 << 20;
 pub fn open(label: &'static str, path: &Path, options: &ReadOptions<'_>) -> Result<Source> {
     let start = Instant::now();
     let source = Source::open(path, options)?;
-    source.say()?;
+    source.say(options)?;
     let (m, n) = source.shape();
     let time = (!source.is_file()).then(|| start.elapsed());
     let how = time.map_or("read by blocks".into(), |time| format!("read in {}", seconds(time)));
@@ -117,13 +117,16 @@ impl Source {
     }
 
     /// Says how a text table was read, and what a user may not expect of the rows of a file.
-    fn say(&self) -> Result<()> {
+    fn say(&self, options: &ReadOptions<'_>) -> Result<()> {
         if let Content::File(file) = &self.content {
             for line in file.notes() {
                 note(format_args!("{}: {line}", file.path().display()));
             }
         }
-        self.reading().map_or(Ok(()), |reading| tables::say(&self.name, reading))
+        match self.reading() {
+            Some(reading) => tables::say(&self.name, reading, options),
+            None => Ok(()),
+        }
     }
 
     /// Returns the note about integers that have been rounded, but for tables, whose reading has
@@ -511,8 +514,9 @@ fn named<R>(path: &Path, result: catamaran::Result<R>) -> Result<R> {
 pub fn read_weights(path: &Path, a: &Source, table: &TableArgs) -> Result<Vec<f64>> {
     a.refuse_dropped(path)?;
     let m = a.shape().0;
-    let source = Source::open(path, &table.of_weights())?;
-    source.say()?;
+    let options = table.of_weights();
+    let source = Source::open(path, &options)?;
+    source.say(&options)?;
     let (nrows, ncols) = source.shape();
     if (nrows, ncols) != (m, 1) && (nrows, ncols) != (1, m) {
         bail!(

@@ -395,6 +395,14 @@ fn normalized_meshes_have_unit_size_about_the_origin() {
     let [low, high] = boxed.bounding_box().unwrap();
     assert!((high[0] - low[0] - 1.0).abs() < 1e-12);
     assert!((0..3).all(|k| (low[k] + high[k]).abs() < 1e-12));
+    // A vertex in no face is not of the surface, but for a mesh without faces.
+    let (mut vertices, faces) = mesh.into_parts();
+    vertices.push([1e4, 0.0, 0.0]);
+    let stray = TriMesh::new(vertices.clone(), faces).unwrap();
+    let parts = |mesh: &TriMesh| mesh.vertices()[..boxed.vertices().len()].to_vec();
+    assert_eq!(parts(&stray.normalized(Normalization::UnitBox).unwrap()), parts(&boxed));
+    let points = TriMesh::new(vertices, Vec::new()).unwrap();
+    assert_eq!(points.bounding_box().unwrap()[1][0], 1e4);
 }
 
 #[test]

@@ -1,6 +1,7 @@
-//! Text tables: the beginning of the file decides ([`layout`]) what separates fields and digits,
-//! which rows have names and which cells are missing, and [`TableReading`] reports it. What the
-//! file leaves open is an error that names the option of [`TableOptions`] that decides.
+//! Text tables: the beginning of the file decides ([`layout`]) what separates fields ([`syntax`]),
+//! how numbers are written ([`notation`]) and which row has names ([`header`]), and
+//! [`TableReading`] reports it. What the file leaves open is an error that names the option of
+//! [`TableOptions`] that decides.
 //!
 //! The columns that are read are one matrix of numbers. A column of words ([`Words::Factor`]) is a
 //! factor: its entries are numbers of levels, and its [`TableColumn`] has the levels. Of a row with
@@ -19,9 +20,11 @@ mod engine;
 mod factors;
 mod file;
 mod foreign;
+mod header;
 mod layout;
 mod message;
 mod missing;
+mod notation;
 mod number;
 mod options;
 mod piece;

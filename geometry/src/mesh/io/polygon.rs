@@ -7,8 +7,8 @@ use super::super::vector::{Vector, cross, dot, sub};
 /// Polygons of more corners stay fans: the crate earcut stores byte counts of its nodes in 32 bits.
 const MOST_CORNERS: usize = 1 << 16;
 
-/// A triangle has no area if that is at most this fraction of the area of the polygon, and is turned
-/// over if it is below minus this fraction.
+/// A triangle has no area if its signed area is at most this share of that of the polygon, and is
+/// turned over if it is below minus this share.
 const TOLERANCE: f64 = 1e-9;
 
 /// Returns the triangles between the first corner of a polygon and each of its other edges.
