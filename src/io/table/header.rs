@@ -1,7 +1,7 @@
 //! Decides whether the first row of a table has the names of columns.
 
 use super::encoding;
-use super::layout::{Found, Kind};
+use super::found::{Found, Kind};
 use super::message::{excerpt, fields, option};
 use super::number::{self, NOTATIONS};
 use super::sample::{Cell, SampleRow, divide};

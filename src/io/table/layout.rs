@@ -3,13 +3,14 @@
 use std::path::Path;
 
 use super::foreign;
+use super::found::{Found, Kind};
 use super::header::Header;
 use super::message::{excerpt, option};
 use super::missing::MissingWords;
 use super::number::Notation;
 use super::options::{Missing, Separator, TableOptions, Words};
 use super::reading::{ColumnKind, TableColumn, TableReading};
-use super::sample::{Cell, Sample, SampleRow};
+use super::sample::{Cell, SampleRow};
 use super::splitter::{Between, Syntax};
 use super::syntax::{announced, find, line_end, width};
 use crate::base::Result;
@@ -137,87 +138,7 @@ fn utf8_end(text: &[u8], is_last: bool) -> usize {
     }
 }
 
-/// What most fields of a column are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
-    Numbers,
-    Words,
-    /// There are none, or all are missing.
-    Unknown,
-}
-
-/// A table whose beginning was divided into records.
-pub(super) struct Found<'a> {
-    pub path: &'a Path,
-    pub options: &'a TableOptions,
-    pub columns: &'a Columns,
-    pub sample: Sample,
-    pub syntax: Syntax,
-    pub missing_words: MissingWords,
-}
-
 impl Found<'_> {
-    pub(super) fn fail(&self, line: usize, what: impl Into<String>) -> crate::Error {
-        error(self.path, line, what)
-    }
-
-    fn no_rows(&self) -> crate::Error {
-        let what = "the file ends without a row of numbers";
-        match self.sample.later_comments.is_empty() {
-            true => self.fail(self.sample.next_line, what),
-            false => {
-                let comment = option("comment");
-                let what = format!("{what}, but with comments; {comment} names another sign");
-                self.fail(self.sample.next_line, what)
-            }
-        }
-    }
-
-    pub(super) fn cell(&self, field: &[u8]) -> Cell {
-        Cell::of(field, &self.missing_words)
-    }
-
-    /// Returns the rows from `from` on that have `width` fields.
-    pub(super) fn rows(&self, from: usize, width: usize) -> impl Iterator<Item = &SampleRow> {
-        self.sample.rows[from..].iter().filter(move |row| row.fields.len() == width)
-    }
-
-    /// Returns whether the first column counts the rows below the header, from 0 or 1.
-    pub(super) fn is_counted(&self, width: usize) -> bool {
-        let number = |row: &SampleRow| -> Option<u64> {
-            std::str::from_utf8(&row.fields[0]).ok()?.parse().ok()
-        };
-        let mut numbers = self.rows(1, width).map(number);
-        let Some(Some(first @ 0..=1)) = numbers.next() else { return false };
-        numbers.zip(first + 1..).all(|(number, expected)| number == Some(expected))
-    }
-
-    pub(super) fn kind(&self, from: usize, width: usize, j: usize) -> Kind {
-        let (mut numbers, mut words) = (0, 0);
-        for row in self.rows(from, width) {
-            match self.cell(&row.fields[j]) {
-                Cell::Missing => {}
-                Cell::Word => words += 1,
-                Cell::Number(_) | Cell::NotFinite => numbers += 1,
-            }
-        }
-        match (numbers, words) {
-            (0, 0) => Kind::Unknown,
-            _ if words > numbers => Kind::Words,
-            _ => Kind::Numbers,
-        }
-    }
-
-    /// Returns whether the caller asks for this column as a factor.
-    fn is_named_factor(&self, names: &[String], j: usize) -> bool {
-        let is_own = |factor: &String| names.get(j) == Some(factor) || *factor == j.to_string();
-        self.options.factors.iter().any(is_own)
-    }
-
-    fn has_word(&self, from: usize, width: usize, j: usize) -> bool {
-        self.rows(from, width).any(|row| self.cell(&row.fields[j]) == Cell::Word)
-    }
-
     fn decide(self) -> Result<Decided> {
         let width = width(&self.sample);
         self.check_line_ends()?;

@@ -20,6 +20,7 @@ mod engine;
 mod factors;
 mod file;
 mod foreign;
+mod found;
 mod header;
 mod layout;
 mod message;

@@ -1,6 +1,6 @@
 //! Decides how the numbers of a table are written, and whether a comma separates columns.
 
-use super::layout::{Found, Kind};
+use super::found::{Found, Kind};
 use super::message::{excerpt, option};
 use super::number::{self, NOTATIONS, Notation, PLAIN, POINTS_OF_THOUSANDS, Readings};
 use super::reading::called;

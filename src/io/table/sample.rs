@@ -37,8 +37,8 @@ pub(super) struct Sample {
     pub rows: Vec<SampleRow>,
     /// The comment before the first record.
     pub comment: Option<Vec<u8>>,
-    /// The comments after it.
-    pub later_comments: Vec<Vec<u8>>,
+    /// Whether there are comments after it.
+    pub has_later_comments: bool,
     /// The line behind the last one that was looked at.
     pub next_line: usize,
 }
@@ -140,7 +140,7 @@ fn is_torn(record: &[u8], syntax: Syntax) -> bool {
 /// Divides a text, which begins with line `line`, into records.
 pub(super) fn divide(text: &[u8], syntax: Syntax, is_last: bool, mut line: usize) -> Sample {
     let mut splitter = Splitter::new(syntax);
-    let (mut rows, mut comment, mut later_comments, mut at) = (Vec::new(), None, Vec::new(), 0);
+    let (mut rows, mut comment, mut has_later_comments, mut at) = (Vec::new(), None, false, 0);
     while rows.len() < MOST && at < text.len() {
         let rest = &text[at..];
         let (found, bytes) = splitter.step(rest, is_last, true);
@@ -148,7 +148,7 @@ pub(super) fn divide(text: &[u8], syntax: Syntax, is_last: bool, mut line: usize
             Found::Nothing => break,
             Found::Blank => {}
             Found::Comment if rows.is_empty() => comment = Some(rest[..bytes].to_vec()),
-            Found::Comment => later_comments.push(rest[..bytes].to_vec()),
+            Found::Comment => has_later_comments = true,
             Found::Record => {
                 let fields = (0..splitter.len()).map(|j| splitter.field(rest, j).to_vec());
                 let (start, end) = (at, at + bytes);
@@ -165,5 +165,5 @@ pub(super) fn divide(text: &[u8], syntax: Syntax, is_last: bool, mut line: usize
     }
     // A last line without an end counts, too.
     let next_line = line + usize::from(at > 0 && text[at - 1] != syntax.line_end);
-    Sample { rows, comment, later_comments, next_line }
+    Sample { rows, comment, has_later_comments, next_line }
 }
