@@ -21,17 +21,15 @@ impl<R: BufRead> Unpacker<R> {
 
 impl<R: BufRead> Read for Unpacker<R> {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
-        loop {
-            let Some(member) = &mut self.0 else { return Ok(0) };
-            let count = member.read(out).map_err(|e| plain(e, ".gz"))?;
-            if count > 0 || out.is_empty() {
-                return Ok(count);
+        while let Some(mut member) = self.0.take() {
+            let read = member.read(out).map_err(|e| plain(e, ".gz"));
+            if out.is_empty() || !matches!(read, Ok(0)) {
+                self.0 = Some(member);
+                return read;
             }
-            self.0 = match self.0.take() {
-                Some(member) => next(member.into_inner())?,
-                None => None,
-            };
+            self.0 = next(member.into_inner())?;
         }
+        Ok(0)
     }
 }
 

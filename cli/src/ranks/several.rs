@@ -163,7 +163,7 @@ impl Ranks {
         let mut len = bytes.len() as u64;
         root.broadcast_into(&mut len);
         bytes.resize(len as usize, 0);
-        // MPI refuses the place of nothing.
+        // The address of no bytes is 1, as MPI_IN_PLACE of Open MPI.
         if len > 0 {
             root.broadcast_into(&mut bytes[..]);
         }

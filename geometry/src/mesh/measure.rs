@@ -152,14 +152,7 @@ impl TriMesh {
     /// ```
     pub fn bounding_box(&self) -> Option<[[f64; 3]; 2]> {
         let corners = self.faces().as_flattened().iter().map(|&v| self.vertices()[v as usize]);
-        let grown = |[low, high]: [[f64; 3]; 2], p: [f64; 3]| {
-            [std::array::from_fn(|k| low[k].min(p[k])), std::array::from_fn(|k| high[k].max(p[k]))]
-        };
-        let box_of = |points: &mut dyn Iterator<Item = [f64; 3]>| {
-            let first = points.next()?;
-            Some(points.fold([first, first], grown))
-        };
-        box_of(&mut corners.into_iter()).or_else(|| box_of(&mut self.vertices().iter().copied()))
+        box_of(corners).or_else(|| box_of(self.vertices().iter().copied()))
     }
 
     /// Checks that areas of the mesh can be computed: coordinates are at most 1e70, and the longest
@@ -282,4 +275,12 @@ pub(crate) fn quality([a, b, c]: [[f64; 3]; 3]) -> f64 {
 
 fn plus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+/// Returns the lowest and the highest coordinates of points, if there are any.
+fn box_of(mut points: impl Iterator<Item = [f64; 3]>) -> Option<[[f64; 3]; 2]> {
+    let first = points.next()?;
+    Some(points.fold([first, first], |[low, high], p| {
+        [std::array::from_fn(|k| low[k].min(p[k])), std::array::from_fn(|k| high[k].max(p[k]))]
+    }))
 }

@@ -5,6 +5,7 @@ use super::found::{Found, Kind};
 use super::message::{excerpt, fields, option};
 use super::number::{self, NOTATIONS};
 use super::sample::{Cell, SampleRow, divide};
+use super::splitter::without_signs;
 use crate::base::Result;
 
 /// How many times farther than the numbers of a column are from each other a number of the first
@@ -154,8 +155,7 @@ impl Found<'_> {
                 return false;
             }
             let Some(value) = any_reading(field) else { return false };
-            let others: Vec<f64> =
-                self.rows(1, width).filter_map(|row| any_reading(&row.fields[j])).collect();
+            let others = self.numbers_below(width, j);
             let low = others.iter().copied().fold(f64::INFINITY, f64::min);
             let high = others.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             let reach = match others.len() {
@@ -168,7 +168,7 @@ impl Found<'_> {
                 return false;
             }
             is_far &= is_outside(reach);
-            if !others.is_sorted() && !others.iter().rev().is_sorted() {
+            if !is_monotonic(&others) {
                 chance *= 2.0 / (others.len() + 1) as f64;
             }
             last = value;
@@ -203,9 +203,8 @@ impl Found<'_> {
         let (mut chance, mut used) = (1.0, 0);
         for j in 0..cells.len() {
             let value = any_reading(&first.fields[j]);
-            let others: Vec<f64> =
-                self.rows(1, width).filter_map(|row| any_reading(&row.fields[j])).collect();
-            if has_many || !others.is_sorted() && !others.iter().rev().is_sorted() {
+            let others = self.numbers_below(width, j);
+            if has_many || !is_monotonic(&others) {
                 let equal = others.iter().filter(|&&other| Some(other) == value).count();
                 chance *= (equal + 1) as f64 / (others.len() + 1) as f64;
                 used += 1;
@@ -214,6 +213,11 @@ impl Found<'_> {
         let has_integers =
             || self.rows(1, width).any(|row| row.fields.iter().any(|field| count(field).is_some()));
         has_many && !has_integers() || used > 1 && chance < CHANCE
+    }
+
+    /// Returns the numbers of a column below the first row.
+    fn numbers_below(&self, width: usize, j: usize) -> Vec<f64> {
+        self.rows(1, width).filter_map(|row| any_reading(&row.fields[j])).collect()
     }
 
     /// Returns whether the first row has three numbers or more with equal steps, of 100 or more; or
@@ -317,11 +321,14 @@ impl Found<'_> {
 
     /// Returns the fields of a comment if there are as many as columns.
     fn in_comment(&self, line: &[u8], ncells: usize) -> Option<Vec<Vec<u8>>> {
-        let is_sign = |byte: &u8| *byte == self.syntax.comment || byte.is_ascii_whitespace();
-        let start = line.iter().position(|byte| !is_sign(byte)).unwrap_or(line.len());
-        let row = divide(&line[start..], self.syntax, true, 1).rows.into_iter().next()?;
+        let text = without_signs(line, self.syntax.comment);
+        let row = divide(text, self.syntax, true, 1).rows.into_iter().next()?;
         (row.fields.len() == ncells).then_some(row.fields)
     }
+}
+
+fn is_monotonic(numbers: &[f64]) -> bool {
+    numbers.is_sorted() || numbers.iter().rev().is_sorted()
 }
 
 /// Words of missing cells that are none by default, in small letters.

@@ -207,7 +207,7 @@ impl Found<'_> {
 
 /// Returns whether a field is a number with a decimal comma, and perhaps points between thousands.
 fn is_decimal_comma(field: &[u8]) -> bool {
-    [NOTATIONS[1], NOTATIONS[3]].into_iter().any(|n| number::parse(field, n).is_some())
+    [NOTATIONS[1], POINTS_OF_THOUSANDS].into_iter().any(|n| number::parse(field, n).is_some())
 }
 
 fn described(notation: Notation) -> String {

@@ -8,7 +8,7 @@ use super::message::{excerpt, fields, option};
 use super::number;
 use super::options::Missing;
 use super::sample::has_torn_field;
-use super::splitter::{Between, Found, Splitter, comment_start};
+use super::splitter::{Between, Found, Splitter, comment_start, without_signs};
 
 /// What is wrong with a record.
 #[derive(Debug)]
@@ -202,9 +202,8 @@ impl Piece {
 
     /// Returns whether a comment would be a row without the sign of comments.
     fn is_row(&mut self, layout: &Layout, comment: &[u8]) -> bool {
-        let is_sign = |byte: &u8| *byte == layout.syntax.comment || byte.is_ascii_whitespace();
-        let start = comment.iter().position(|byte| !is_sign(byte)).unwrap_or(comment.len());
-        let (text, width) = (&comment[start..], layout.uses.len());
+        let text = without_signs(comment, layout.syntax.comment);
+        let width = layout.uses.len();
         if width == 1 || self.splitter.step(text, true, true).0 != Found::Record {
             return false;
         }

@@ -326,6 +326,13 @@ fn is_blank(byte: &u8) -> bool {
     matches!(byte, b' ' | b'\t')
 }
 
+/// Returns a line that is a comment without the signs and blanks before it.
+pub(super) fn without_signs(line: &[u8], comment: u8) -> &[u8] {
+    let is_sign = |&byte: &u8| byte == comment || byte.is_ascii_whitespace();
+    let start = line.iter().position(|byte| !is_sign(byte)).unwrap_or(line.len());
+    &line[start..]
+}
+
 /// Returns where the comment of a line starts: after a blank, outside of quotes.
 pub(super) fn comment_start(line: &[u8], comment: u8) -> Option<usize> {
     memchr_iter(comment, line).find(|&at| {
