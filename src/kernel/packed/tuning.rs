@@ -11,6 +11,9 @@ pub(crate) struct Tuning {
     pub item: usize,
     /// Distance of prefetches from the operands of a tile, in steps.
     pub ahead: usize,
+    /// The same for a packed left side, of which 0 prefetches nothing: its strip comes from the
+    /// second-level cache for the first tile of a row only.
+    pub left_ahead: usize,
     /// Distance of prefetches from the sources of packing, in rows.
     pub rows_ahead: usize,
     /// Most panels of a side that is read in place: with more panels, rows are read so often that
@@ -22,18 +25,18 @@ pub(crate) struct Tuning {
 pub(super) const DEEPEST: usize = 320;
 
 impl Tuning {
-    const fn new([depth, item, ahead, rows_ahead, in_place]: [usize; 5]) -> Self {
+    const fn new([depth, item, ahead, left_ahead, rows_ahead, in_place]: [usize; 6]) -> Self {
         assert!(depth <= DEEPEST && item < 8);
-        Self { depth, item, ahead, rows_ahead, in_place }
+        Self { depth, item, ahead, left_ahead, rows_ahead, in_place }
     }
 }
 
-// In the order of the fields. Measured on Zen 4 and 5 and on Sapphire Rapids; those of NEON and of
-// plain Rust are not measured.
+// In the order of the fields. Measured on Zen 4 and 5 and on Sapphire Rapids, and that of AVX2 on
+// Zen 3; those of NEON and of plain Rust are not measured.
 #[cfg(target_arch = "x86_64")]
-pub(super) const AVX512: Tuning = Tuning::new([320, 7, 16, 6, 2]);
+pub(super) const AVX512: Tuning = Tuning::new([320, 7, 16, 16, 6, 2]);
 #[cfg(target_arch = "x86_64")]
-pub(super) const AVX2: Tuning = Tuning::new([320, 7, 16, 6, 2]);
+pub(super) const AVX2: Tuning = Tuning::new([320, 7, 16, 0, 6, 2]);
 #[cfg(target_arch = "aarch64")]
-pub(super) const NEON: Tuning = Tuning::new([320, 7, 16, 6, 2]);
-pub(super) const PORTABLE: Tuning = Tuning::new([320, 7, 16, 6, 2]);
+pub(super) const NEON: Tuning = Tuning::new([320, 7, 16, 16, 6, 2]);
+pub(super) const PORTABLE: Tuning = Tuning::new([320, 7, 16, 16, 6, 2]);
