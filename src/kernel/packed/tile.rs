@@ -237,9 +237,9 @@ impl<T: Real> Tile<T> {
 
     /// Performs PACE steps on packed sides. Each cache line of the right side is prefetched once.
     ///
-    /// The prefetches also keep the loads of AVX2 in order, whose tile needs all registers: without
-    /// any, LLVM loads a scalar of the left side early, into the register of a sum, and the loop
-    /// takes twice the time.
+    /// The prefetches also keep loads in order. A tile of AVX2 needs all registers: without a
+    /// prefetch, LLVM loads the next scalar of the left side early and moves a sum to memory for
+    /// it, and the loop takes twice the time.
     ///
     /// # Safety
     /// Both sides hold these rows.

@@ -11,8 +11,8 @@ pub(crate) struct Tuning {
     pub item: usize,
     /// Distance of prefetches from the operands of a tile, in steps.
     pub ahead: usize,
-    /// The same for a packed left side, of which 0 prefetches nothing: its strip comes from the
-    /// second-level cache for the first tile of a row only.
+    /// The same for a packed left side; with 0 its strip, which all tiles of a row read, is not
+    /// prefetched.
     pub left_ahead: usize,
     /// Distance of prefetches from the sources of packing, in rows.
     pub rows_ahead: usize,
@@ -31,7 +31,7 @@ impl Tuning {
     }
 }
 
-// In the order of the fields. Measured on Zen 4 and 5 and on Sapphire Rapids, and that of AVX2 on
+// In the order of the fields. Measured on Zen 4 and 5 and on Sapphire Rapids, the fourth of AVX2 on
 // Zen 3; those of NEON and of plain Rust are not measured.
 #[cfg(target_arch = "x86_64")]
 pub(super) const AVX512: Tuning = Tuning::new([320, 7, 16, 16, 6, 2]);
