@@ -148,6 +148,7 @@ def test_fits_of_frames_take_columns_by_their_names(name, make, rng):
     other = getattr(module, make)({"y": y, "f": labels, "x": x})
     fit, parts = catamaran.lstsq(frame, b, intercept=True), catamaran.pca(frame)
     assert np.array_equal(fit.predict(other), fit.predict(rows))
+    assert np.array_equal(fit.predict(np.asfortranarray(rows)), fit.predict(rows))
     assert np.array_equal(fit.prediction_errors(other), fit.prediction_errors(rows))
     assert np.array_equal(parts.transform(other), parts.transform(rows))
     few = getattr(module, make)({"x": x, "z": y})

@@ -247,7 +247,8 @@ class LeastSquares:
         return found - width, found + width
 
     def _design(self, a: Any, factors: Optional[Mapping[str, Any]]) -> Any:
-        """Return rows with a column for each coefficient."""
+        """Return rows with a column for each coefficient, one after the other in memory: by columns
+        the products of numpy would differ in their last bits."""
         names, wanted, hint = self.feature_names, len(self.x), ""
         if factors is not None:
             wanted -= len(self.factor_columns)
@@ -264,14 +265,14 @@ class LeastSquares:
         if len(shape) not in (1, 2) or shape[-1] != wanted or len(shape) == 1 and factors:
             raise ValueError(f"a: expected m x {wanted}, got {' x '.join(map(str, shape))}{hint}")
         if factors is None:
-            return rows
+            return rows if is_sparse(rows) else np.ascontiguousarray(rows)
         columns = indicators(self.factor_levels, factors, rows.shape[0])
         refuse_other_factors(a, factors)
         if is_sparse(rows):
             from scipy.sparse import hstack
 
             return hstack([rows, columns], format="csr")
-        return np.hstack([rows, columns])
+        return np.ascontiguousarray(np.hstack([rows, columns]))
 
     def _factor(self, confidence: float) -> float:
         if not 0 < confidence < 1:
