@@ -53,7 +53,8 @@ pub enum Error {
     NotConverged {
         /// Iterations done.
         iterations: usize,
-        /// Residual reached.
+        /// Residual reached; not finite where none was, as when eigenvalues are missing between
+        /// those that converged.
         residual: f64,
     },
     /// A file could not be read or written.
@@ -112,7 +113,11 @@ impl fmt::Display for Error {
                 write!(f, "{what}: not finite at row {}, column {}", index.0, index.1)
             }
             Self::NotConverged { iterations, residual } => {
-                write!(f, "not converged after {iterations} iterations, residual {residual:e}")
+                write!(f, "not converged after {iterations} iterations")?;
+                if residual.is_finite() {
+                    write!(f, ", residual {residual:e}")?;
+                }
+                Ok(())
             }
             Self::Io { path, line: None, what, .. } => write!(f, "{}: {what}", path.display()),
             Self::Io { path, line: Some(line), what, .. } => {

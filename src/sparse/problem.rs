@@ -167,8 +167,8 @@ impl<'a> Problem<'a> {
                 krylov.purify(&*factor)?;
                 certificate = certify(&krylov)?;
             }
-            least = least.min(certificate.largest);
             if certificate.excess > 1.0 {
+                least = least.min(certificate.largest);
                 krylov.tighten(0.1 / certificate.excess);
                 kept = Some(factor);
                 continue;
@@ -213,7 +213,8 @@ impl Shifts for WholeShifts<'_> {
     }
 }
 
-/// Replaces the residual of an [`Error::NotConverged`] by that of an earlier round, if it is less.
+/// Replaces the residual of an [`Error::NotConverged`] by that of an earlier round that did not reach
+/// the tolerance either, if it is less.
 fn not_above(error: Error, least: f64) -> Error {
     match error {
         Error::NotConverged { iterations, residual } => {
@@ -245,4 +246,26 @@ pub(crate) fn scale_of(mut ratios: Vec<f64>) -> f64 {
     }
     let middle = ratios.len() / 2;
     *ratios.select_nth_unstable_by(middle, f64::total_cmp).1 / n as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::Par;
+    use crate::sparse::path::path;
+
+    #[test]
+    fn eigenvalues_that_are_missing_have_no_residual() {
+        let (w, mass) = (path(300), Mass::identity(300));
+        let pencil = WholePencil { stiffness: w.view(), mass: &mass };
+        let problem = Problem::whole(&pencil).unwrap();
+        let options = EigenOptions::new().k(5).shift(0.5).par(Par::Seq);
+        let factor = problem.any(0.5).unwrap();
+        let error = problem.nearest(0.5, factor, &options, |_| Ok(false)).unwrap_err();
+        let said = error.to_string();
+        assert!(
+            said.starts_with("not converged after ") && said.ends_with(" iterations"),
+            "{said}"
+        );
+    }
 }
