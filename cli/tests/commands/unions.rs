@@ -160,7 +160,7 @@ fn what_is_wrong_with_a_spectrum_is_said_of_its_file() {
         ("0\n1\n", "the first one is 0e0: leave zeros out"),
         ("1e300\n2e300\n", "eigenvalues: are out of range"),
         ("one\ntwo\n", "no column of numbers: column one has words, such as \"two\""),
-        (rows.as_str(), "must be fewer than the 36 vertices of the template"),
+        (rows.as_str(), "must be at most the 16 that the template has, are 50"),
     ] {
         folder.write("wrong.csv", table);
         let said = folder.fail("unions shape template.off --spectrum wrong.csv -o x.ply");

@@ -1,7 +1,7 @@
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-use crate::mesh::vector::{Vector, distance};
+use crate::mesh::vector::Vector;
 use crate::mesh::{Adjacency, Origin, Refined, TriMesh};
 use catamaran::base::{Error, Result};
 
@@ -78,15 +78,18 @@ impl<'m> Refinement<'m> {
         others
     }
 
-    /// Cuts an edge, and each of its faces in two, at a point of the edge. Returns the new vertex,
-    /// and the vertices whose neighbours changed.
+    /// Cuts an edge, and each of its faces in two, at the point `at` of the edge, which is at this
+    /// share of the way from a to b. Returns the new vertex, and the vertices whose neighbours
+    /// changed.
     ///
     /// # Errors
     /// [`Error::Argument`] when vertices or faces can't be numbered any more.
-    pub fn cut_edge(&mut self, [a, b]: [u32; 2], at: Vector) -> Result<(u32, Vec<u32>)> {
-        let [p, q] = [a, b].map(|v| self.position(v));
-        let (part, whole) = (distance(p, at), distance(p, q));
-        let share = if whole > 0.0 { (part / whole).min(1.0) } else { 0.0 };
+    pub fn cut_edge(
+        &mut self,
+        [a, b]: [u32; 2],
+        share: f64,
+        at: Vector,
+    ) -> Result<(u32, Vec<u32>)> {
         let origin = Origin::between(&[(self.origin(a), 1.0 - share), (self.origin(b), share)]);
         let new = self.add_vertex(at, origin)?;
         let mut around = vec![a, b, new];
@@ -108,7 +111,7 @@ impl<'m> Refinement<'m> {
     pub fn bisect(&mut self, ends: [u32; 2]) -> Result<(u32, Vec<u32>)> {
         let [p, q] = ends.map(|v| self.position(v));
         // Halves do not overflow where the sum would.
-        self.cut_edge(ends, std::array::from_fn(|k| p[k] / 2.0 + q[k] / 2.0))
+        self.cut_edge(ends, 0.5, std::array::from_fn(|k| p[k] / 2.0 + q[k] / 2.0))
     }
 
     /// Cuts a face into three at a point inside, which has these shares of its corners. Returns the
@@ -179,7 +182,8 @@ impl<'m> Refinement<'m> {
         Ok(number as u32)
     }
 
-    fn origin(&self, vertex: u32) -> Origin {
+    /// Returns the origin of a vertex on the mesh.
+    pub fn origin(&self, vertex: u32) -> Origin {
         match (vertex as usize).checked_sub(self.mesh.vertices().len()) {
             None => Origin::vertex(vertex),
             Some(new) => self.origins[new],

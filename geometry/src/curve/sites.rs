@@ -1,7 +1,6 @@
 use std::borrow::Cow;
 
 use super::refinement::Refinement;
-use crate::mesh::vector::{Vector, cross, dot, doubled_normal, norm, sub};
 use crate::mesh::{Refined, Site, SurfacePoint, TriMesh, nearest_vertex};
 use catamaran::base::{Error, Result};
 
@@ -82,7 +81,8 @@ pub fn place(mesh: &TriMesh, sites: &[Site], placement: Placement) -> Result<Pla
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] for an end that is neither a vertex nor an earlier point.
+/// [`Error::Argument`] for an end that is neither a vertex nor an earlier point, and for two ends
+/// that no edge joins.
 pub fn refined(mesh: &TriMesh, steiner: &[[u32; 2]]) -> Result<TriMesh> {
     Ok(with_steiner(mesh, steiner)?.mesh)
 }
@@ -107,6 +107,11 @@ pub fn with_steiner(mesh: &TriMesh, steiner: &[[u32; 2]]) -> Result<Refined> {
             let why = format!("end {end} of point {i} is out of range: {known} vertices");
             return Err(Error::Argument { what: "steiner", why });
         }
+        let [a, b] = *ends;
+        if !refinement.neighbours(a).contains(&b) {
+            let why = format!("point {i}: no edge joins {a} and {b}");
+            return Err(Error::Argument { what: "steiner", why });
+        }
         refinement.bisect(*ends)?;
     }
     refinement.to_mesh()
@@ -120,14 +125,20 @@ fn largest(weights: [f64; 3]) -> usize {
 fn insert(refinement: &mut Refinement<'_>, at: SurfacePoint) -> Result<u32> {
     let SurfacePoint { face, weights } = at;
     let point = at.position(refinement.mesh());
+    let [first, second, _] = refinement.face(face);
     let mut best = (f64::NEG_INFINITY, face, weights);
-    let pieces: Vec<u32> = refinement.pieces(face).collect();
-    for piece in pieces {
+    for piece in refinement.pieces(face) {
+        // In barycentric coordinates of the whole face, which may be far from the origin, or have
+        // no area.
+        let corners = refinement.face(piece).map(|v| {
+            let origin = refinement.origin(v);
+            [origin.share(first), origin.share(second)]
+        });
         let own = match piece == face {
             true => weights,
-            false => shares(refinement.face(piece).map(|v| refinement.position(v)), point),
+            false => shares(corners, [weights[0], weights[1]]),
         };
-        let least = own.into_iter().fold(f64::INFINITY, f64::min);
+        let least = own.into_iter().reduce(f64::min).unwrap_or_default();
         if least > best.0 {
             best = (least, piece, own);
         }
@@ -137,17 +148,22 @@ fn insert(refinement: &mut Refinement<'_>, at: SurfacePoint) -> Result<u32> {
     let there: Vec<usize> = (0..3).filter(|&i| own[i] > NOTHING).collect();
     match there[..] {
         [i] => Ok(corners[i]),
-        [i, j] => Ok(refinement.cut_edge([corners[i], corners[j]], point)?.0),
+        [i, j] => {
+            let share = own[j] / (own[i] + own[j]);
+            Ok(refinement.cut_edge([corners[i], corners[j]], share, point)?.0)
+        }
         _ => refinement.cut_face(piece, point, own),
     }
 }
 
-/// Returns the barycentric coordinates of a point in the plane of a triangle; NaN for a triangle
-/// without area.
-fn shares(corners: [Vector; 3], point: Vector) -> [f64; 3] {
-    let [a, b, c] = corners;
-    let normal = doubled_normal(corners);
-    let unit = normal.map(|x| x / dot(normal, normal));
-    let area = |p, q| dot(cross(sub(p, point), sub(q, point)), unit);
-    if norm(normal) > 0.0 { [area(b, c), area(c, a), area(a, b)] } else { [f64::NAN; 3] }
+/// Returns the barycentric coordinates of a point in a triangle of the plane; negative infinity for
+/// a triangle without area.
+fn shares([a, b, c]: [[f64; 2]; 3], point: [f64; 2]) -> [f64; 3] {
+    let area = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| {
+        (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
+    };
+    match area(a, b, c) {
+        0.0 => [f64::NEG_INFINITY; 3],
+        whole => [area(point, b, c), area(a, point, c), area(a, b, point)].map(|x| x / whole),
+    }
 }

@@ -35,7 +35,8 @@ pub enum Mode {
 pub enum Count {
     /// One curve.
     One,
-    /// As many curves as there are gaps for. For closed curves of the robust mode; otherwise one.
+    /// As many curves as the gaps between the samples tell, for closed curves of the robust mode;
+    /// otherwise one.
     Automatic,
 }
 
@@ -136,9 +137,9 @@ impl<'m> CurveSolver<'m> {
     /// sample. In the robust mode, each curve starts at its sample of lowest index, and continues
     /// with the lower one of its two neighbours. The same samples give the same result, bit for
     /// bit. Where there may be several curves, samples on components with fewer than three samples
-    /// are [left out](Reconstruction::left_out), and the other samples get their curves. Without
-    /// its [outliers](Reconstruction::outliers), the other samples have the curves that they have
-    /// alone.
+    /// are [left out](Reconstruction::left_out), and the other samples get their curves. Where
+    /// [outliers](Reconstruction::outliers) are dropped, the other samples get the same curves as a
+    /// reconstruction of these samples alone.
     ///
     /// # Errors
     /// [`Error::Argument`] for fewer than three samples, a vertex that does not exist or occurs

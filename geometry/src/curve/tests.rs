@@ -471,6 +471,43 @@ fn sites_are_snapped_or_inserted() {
     assert!(refused(Site::Near([f64::NAN; 3])).contains("site 0"));
 }
 
+#[test]
+fn sites_of_one_face_are_inserted_where_positions_do_not_tell_their_places() {
+    let sites = |all: &[[f64; 3]]| {
+        let site = |&weights| Site::Face(SurfacePoint { face: 0, weights });
+        all.iter().map(site).collect::<Vec<_>>()
+    };
+    // Far from the origin, the first point is rounded to an edge.
+    let far = [[1e9, 0.0, 0.0], [1e9 + 1.0, 0.0, 0.0], [1e9, 1.0, 0.0]];
+    let mesh = TriMesh::new(far.into(), vec![[0, 1, 2]]).unwrap();
+    let given = sites(&[[0.5, 1e-8, 0.5 - 1e-8], [0.25, 0.5, 0.25], [0.25, 0.25, 0.5]]);
+    let refined = place(&mesh, &given, Placement::Insert).unwrap().mesh.unwrap();
+    assert_eq!(refined.mesh.faces().len(), 7);
+    assert!((refined.mesh.area() - 0.5).abs() < 1e-6, "{}", refined.mesh.area());
+    // A face without area.
+    let line = [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]];
+    let mesh = TriMesh::new(line.into(), vec![[0, 1, 2]]).unwrap();
+    let given = sites(&[[0.5, 0.25, 0.25], [0.25, 0.25, 0.5]]);
+    let refined = place(&mesh, &given, Placement::Insert).unwrap().mesh.unwrap();
+    assert_eq!(refined.mesh.faces().len(), 5);
+    for (site, weights) in [(3, [0.5, 0.25, 0.25]), (4, [0.25, 0.25, 0.5])] {
+        let origin = refined.vertices[site];
+        assert!((0..3).all(|v| (origin.share(v) - weights[v as usize]).abs() < 1e-15));
+    }
+}
+
+#[test]
+fn steiner_points_are_on_edges() {
+    let mesh = shapes::grid(2, 2);
+    for (ends, why) in [([0, 0], "no edge joins 0 and 0"), ([0, 8], "no edge joins 0 and 8")] {
+        let said = refined(&mesh, &[ends]).unwrap_err().to_string();
+        assert!(said.contains(why), "{said}");
+    }
+    // Of an earlier point.
+    assert!(refined(&mesh, &[[0, 1], [9, 1]]).is_ok());
+    assert!(refined(&mesh, &[[0, 1], [0, 1]]).is_err());
+}
+
 /// Runs a part of `scripts/reproduce curves` with known counts: for each mode the runs that closed,
 /// those without Steiner points, and those with the right order.
 #[test]

@@ -35,7 +35,7 @@ pub(super) struct Patch {
     pub locked: Vec<bool>,
     /// Edges between the anchors of locked vertices that stay.
     kept: Kept,
-    /// By what lengths are longer, at vertices of the input.
+    /// The factors by which lengths are stretched, at vertices of the input.
     pub stretch: Stretch,
     pub faces: Vec<[u32; 3]>,
     /// For each vertex its faces; empty for a removed vertex.

@@ -175,8 +175,8 @@ fn own_vertices(surface: &Surface<'_>, patch: &Patch, v: u32, radius: f64) -> Ve
     let mut own = Vec::new();
     while let Some(w) = open.pop() {
         own.push(w);
-        // Positions of all neighbours are asked for before one of them is needed: they come from
-        // memory at the same time.
+        // All positions are requested in one loop, so that the processor loads them from memory at
+        // the same time.
         let new = surface.links(w).iter().map(|link| link.to).filter(|&to| seen.insert(to));
         open.extend(new.filter(|&to| is_own(to)));
     }

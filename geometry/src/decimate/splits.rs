@@ -29,7 +29,7 @@ pub(super) struct Splits {
     pub vertices: Vec<Vector>,
     /// The longest edge that stays.
     pub longest: f64,
-    /// By what lengths are longer; `None` where they are not.
+    /// The factors by which lengths are stretched; `None` without a density.
     pub stretched: Option<Stretched>,
     /// By the lower end, shifted by 32 bits, and the upper one.
     middles: HashMap<u64, u32, BuildHasherDefault<Multiply>>,

@@ -28,7 +28,7 @@ pub(super) struct Surface<'m> {
     pub faces_of: Adjacency,
     starts: Vec<u32>,
     links: Vec<Link>,
-    /// By what lengths are longer.
+    /// The factors by which lengths are stretched.
     pub stretch: Stretch,
     /// Whether each vertex is on the boundary, where its first and last edge are boundary edges.
     pub on_boundary: Vec<bool>,
@@ -80,6 +80,7 @@ fn scale_of(mesh: &TriMesh) -> Result<f64> {
 
 impl<'m> Surface<'m> {
     /// Creates the surface of a manifold mesh.
+    ///
     /// # Errors
     /// [`Error::Mesh`] that names a vertex whose faces are not one fan, or says that lengths are
     /// out of range; [`Error::OutOfMemory`].

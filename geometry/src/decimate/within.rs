@@ -5,7 +5,7 @@ use super::options::{DecimateOptions, Method};
 use super::result::Decimation;
 use super::size::vertices_for_edge_length;
 use super::solver::decimate;
-use crate::mesh::TriMesh;
+use crate::mesh::{TriMesh, manifold};
 use catamaran::base::{Error, Par, Result, positive};
 
 /// Number of vertices of the first try.
@@ -45,9 +45,10 @@ const MARGIN: f64 = 0.2;
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] when `error` is not positive and finite; when it can't be reached with as
-/// many vertices as the input has, or, if that is less, as edges of the length `error` need or
-/// 100,000; those of [`decimate`](super::decimate()).
+/// [`Error::Argument`] when `error` is not positive and finite, or can't be reached. With
+/// resampling, the search tries at most as many vertices as edges of the length `error` need, but
+/// not more than 100,000, or as many as the input has when it is cut to a manifold, whichever is
+/// more; without it, at most as many as the input has. Those of [`decimate`](super::decimate()).
 pub fn decimate_within(
     mesh: &TriMesh,
     error: f64,
@@ -59,12 +60,12 @@ pub fn decimate_within(
 fn search(mesh: &TriMesh, error: f64, options: &DecimateOptions<'_>) -> Result<Decimation> {
     let input = Measured::new(mesh)?;
     positive("error", error)?;
-    let most = most_vertices(mesh, error, options);
+    let most = most_vertices(mesh, error, options)?;
     let mut bracket = Bracket { error, most, low: None, high: None };
     let mut best = None;
     let mut done = 0.0;
     while let Some(n) = bracket.next() {
-        // Each try takes half of what is left of the bar, as nobody knows how many follow.
+        // Each try takes half of what is left of the progress: the number of tries is unknown.
         let after = (1.0 + done) / 2.0;
         let part = options.progress.part(done..after);
         done = after;
@@ -92,15 +93,16 @@ fn search(mesh: &TriMesh, error: f64, options: &DecimateOptions<'_>) -> Result<D
     })
 }
 
-/// Returns the largest number of vertices that is tried: that of the input, or, if that is less and
-/// edges are split, as many as edges of the length `error` need, up to a bound.
-fn most_vertices(mesh: &TriMesh, error: f64, options: &DecimateOptions<'_>) -> usize {
-    let there = mesh.vertices().len() - mesh.unreferenced_vertices().len();
+/// Returns the largest number of vertices that is tried: that of the input, cut to a manifold, or,
+/// if that is less and edges are split, as many as edges of the length `error` need, up to a bound.
+fn most_vertices(mesh: &TriMesh, error: f64, options: &DecimateOptions<'_>) -> Result<usize> {
+    let (part, _) = manifold(mesh)?;
+    let there = part.mesh.vertices().len();
     if !options.resample || options.method == Method::Thesis {
-        return there;
+        return Ok(there);
     }
     let fine = vertices_for_edge_length(mesh.area(), error).unwrap_or(MORE).min(MORE);
-    there.max(fine)
+    Ok(there.max(fine))
 }
 
 /// Returns an upper bound of the distance; where vertices are farther than `error`, their distance.
@@ -114,7 +116,7 @@ fn distance(input: &Measured<'_>, found: &TriMesh, error: f64, par: Par) -> Resu
     input.bound(&found, &squares, par)
 }
 
-/// What the tries have told.
+/// The results of the tries so far that bound the number of vertices.
 struct Bracket {
     error: f64,
     /// The largest number that is tried.
@@ -176,6 +178,14 @@ mod tests {
             bracket.put(n, away(n));
         }
         (tries, bracket.high.map(|high| high.0))
+    }
+
+    #[test]
+    fn an_input_that_is_cut_may_keep_all_the_vertices_of_the_cut() {
+        // Pages that share an edge are cut from each other.
+        let book = crate::mesh::families::pages(100).unwrap();
+        let found = decimate_within(&book, 1.0, &DecimateOptions::new()).unwrap();
+        assert_eq!(found.mesh.vertices().len(), 300);
     }
 
     #[test]

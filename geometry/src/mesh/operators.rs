@@ -22,7 +22,7 @@ use catamaran::base::{Error, Result};
 /// ```
 ///
 /// # Errors
-/// [`Error::Mesh`] names a face without area, or one out of the range of `f64`.
+/// [`Error::Mesh`] names a face without area, or one whose gradients are out of the range of `f64`.
 pub fn gradient(mesh: &TriMesh) -> Result<CsMat<f64>> {
     let (faces, rows) = (mesh.faces(), 3 * mesh.faces().len());
     let mut columns = Vec::with_capacity(3 * rows);

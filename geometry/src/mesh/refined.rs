@@ -84,6 +84,9 @@ impl Refined {
 
     /// Returns the composition of two refinements: `finer` refines the mesh of `self`, and the
     /// result refines the mesh that `self` refines.
+    ///
+    /// # Panics
+    /// When `finer` refines a mesh of more vertices or faces.
     #[must_use]
     pub fn then(&self, finer: Refined) -> Self {
         let faces = finer.faces.iter().map(|&f| self.faces[f as usize]).collect();

@@ -198,8 +198,8 @@ impl fmt::Display for Validation {
 }
 
 impl MeshFile {
-    /// Checks the mesh as [`TriMesh::validate`] does. The first problem are the faces that have a
-    /// vertex twice, which are left out of the mesh.
+    /// Checks the mesh as [`TriMesh::validate`] does. Faces that have a vertex twice, which are
+    /// left out of the mesh, are the first problem of the report.
     ///
     /// ```
     /// use catamaran_geometry::mesh::io::MeshFile;
@@ -307,8 +307,9 @@ impl TriMesh {
         found
     }
 
-    /// Returns the vertices on the boundary that are nearer to others there than any of their
-    /// edges is long, but not in the same place: the same place may be that of a cut.
+    /// Returns the vertices on the boundary whose distance from another vertex there is at most
+    /// `NEAR` times the shortest edge of both, but not 0: the same place may be that of a cut. Each
+    /// is compared with one earlier vertex only, its representative.
     fn near_vertices(&self, edges: &Edges) -> Vec<[u32; 2]> {
         /// Share of the length of an edge.
         const NEAR: f64 = 1e-3;

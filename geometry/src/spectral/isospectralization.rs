@@ -75,7 +75,7 @@ pub fn shape_from_spectrum(
     eigenvalues: &[f64],
     options: &ShapeOptions<'_>,
 ) -> Result<ShapeFromSpectrum> {
-    check(template, eigenvalues)?;
+    check(eigenvalues)?;
     options.check_ranges()?;
     let wanted = Wanted::new(template, eigenvalues, options.par)?;
     let as_given = wanted.shape(template.vertices().to_vec())?;
@@ -117,7 +117,7 @@ pub fn shape_from_spectrum(
 const DAMPING_LIMIT: f64 = 1e6;
 const LEAST_DAMPING: f64 = 1e-6;
 
-fn check(template: &TriMesh, eigenvalues: &[f64]) -> Result<()> {
+fn check(eigenvalues: &[f64]) -> Result<()> {
     let what = "eigenvalues";
     let refuse = |why: String| Err(Error::Argument { what, why });
     if let Some(i) = eigenvalues.iter().position(|x| !x.is_finite()) {
@@ -131,10 +131,6 @@ fn check(template: &TriMesh, eigenvalues: &[f64]) -> Result<()> {
     if let Some(i) = (1..eigenvalues.len()).find(|&i| eigenvalues[i] < eigenvalues[i - 1]) {
         let (x, before) = (eigenvalues[i], eigenvalues[i - 1]);
         return refuse(format!("must ascend, but number {i} (from 0), {x:e}, follows {before:e}"));
-    }
-    if eigenvalues.len() >= template.vertices().len() {
-        let (k, n) = (eigenvalues.len(), template.vertices().len());
-        return refuse(format!("must be fewer than the {n} vertices of the template, are {k}"));
     }
     Ok(())
 }
@@ -172,7 +168,12 @@ impl<'a> Wanted<'a> {
         let mesh = TriMesh::new(vertices, self.faces.to_vec())?;
         let options = LaplacianOptions::new().boundary(self.boundary.clone()).par(self.par);
         let laplacian = laplacian(&mesh, &options)?;
-        let k = self.eigenvalues.len();
+        let (k, rows) = (self.eigenvalues.len(), laplacian.kept.len());
+        if k > rows - self.zeros {
+            let most = rows - self.zeros;
+            let why = format!("must be at most the {most} that the template has, are {k}");
+            return Err(Error::Argument { what: "eigenvalues", why });
+        }
         let options = EigenOptions::new().k(self.zeros + k).par(self.par);
         let pairs = eigs(laplacian.stiffness.view(), &laplacian.mass, &options)?;
         let vectors = laplacian.extend(pairs.vectors.as_ref().subcols(self.zeros, k))?;
@@ -485,6 +486,11 @@ mod tests {
         assert!(with(&[1e300, 2e300]).starts_with("eigenvalues: are out of range"));
         assert!(with(&[1e-300, 2e-300]).starts_with("eigenvalues: are out of range"));
         assert!(with(&[1.0, f64::NAN]).contains("eigenvalues"));
-        assert!(with(&[1.0; 42]).contains("fewer than the 42 vertices"));
+        let said = "eigenvalues: must be at most the 41 that the template has, are 42";
+        assert_eq!(with(&[1.0; 42]), said);
+        // Of nine vertices, one is not on the boundary.
+        let grid = families::grid(2, 2).unwrap();
+        let said = shape_from_spectrum(&grid, &[20.0, 50.0], &ShapeOptions::new()).unwrap_err();
+        assert!(said.to_string().contains("at most the 1 that the template has"), "{said}");
     }
 }

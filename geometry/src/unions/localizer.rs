@@ -50,7 +50,8 @@ impl Localizer {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Argument`] and [`Error::Shape`] name the argument that does not fit.
+    /// [`Error::Argument`] and [`Error::Shape`] name the argument that does not fit;
+    /// [`Error::NonFinite`].
     pub fn new(
         modes: usize,
         anchors: Vec<usize>,
@@ -61,6 +62,9 @@ impl Localizer {
         if anchors.len() < modes || anchors.iter().any(|&v| v >= vertices) {
             let why = "must be vertices of the template, at least as many as eigenfunctions".into();
             return Err(Error::Argument { what: "anchors", why });
+        }
+        if let Some(at) = values.iter().position(|x| !x.is_finite()) {
+            return Err(Error::NonFinite { what: "values", index: (at / modes, at % modes) });
         }
         values.iter_mut().for_each(|x| *x = rounded(*x));
         Ok(Self { modes, anchors, values, vertices })
@@ -242,6 +246,12 @@ mod tests {
         let stop = |_| std::ops::ControlFlow::Break(());
         let found = localizer.on_mesh_watched(&mesh, Par::Seq, Progress::new(&stop));
         assert!(matches!(found, Err(Error::Cancelled)));
+    }
+
+    #[test]
+    fn values_that_are_not_finite_are_named() {
+        let refused = Localizer::new(2, vec![0, 1], vec![1.0, 0.0, 0.5, f32::NAN], 3).unwrap_err();
+        assert_eq!(refused, Error::NonFinite { what: "values", index: (1, 1) });
     }
 
     #[test]

@@ -81,7 +81,7 @@ impl<'m> PartSpectra<'m> {
         self.progress.watch(|| {
             let inside = self.inside(mask)?;
             let operator = self.operator.restricted(&inside)?;
-            self.eigenvalues(&operator, k)
+            self.eigenvalues(&operator, k, INNER)
         })
     }
 
@@ -104,7 +104,7 @@ impl<'m> PartSpectra<'m> {
     pub fn neumann(&self, mask: &[bool], k: usize) -> Result<Vec<f64>> {
         self.progress.watch(|| {
             let part = self.mesh.masked(mask)?;
-            self.eigenvalues(&laplacian(&part.mesh, &self.options)?, k)
+            self.eigenvalues(&laplacian(&part.mesh, &self.options)?, k, "vertices of the part")
         })
     }
 
@@ -134,8 +134,8 @@ impl<'m> PartSpectra<'m> {
         Ok((0..n).map(inside).collect())
     }
 
-    fn eigenvalues(&self, operator: &Laplacian, k: usize) -> Result<Vec<f64>> {
-        eigenvalues(operator, k, self.options.par, self.progress)
+    fn eigenvalues(&self, operator: &Laplacian, k: usize, rows: &str) -> Result<Vec<f64>> {
+        eigenvalues(operator, k, rows, self.options.par, self.progress)
     }
 }
 
@@ -160,7 +160,7 @@ impl<'m> PartSpectra<'m> {
 /// when a component of the points has no boundary that can be seen.
 pub fn cloud_spectrum(points: &[[f64; 3]], k: usize, options: &CloudOptions) -> Result<Vec<f64>> {
     let operator = cloud_laplacian(points, &options.clone().boundary(Boundary::Dirichlet))?;
-    let values = eigenvalues(&operator, k, options.par, Progress::none())?;
+    let values = eigenvalues(&operator, k, INNER, options.par, Progress::none())?;
     let area: f64 = (0..operator.mass.len()).map(|i| operator.mass.diagonal(i)).sum();
     if values.first().is_some_and(|first| first * area < FREE) {
         let why = "a component has no boundary that can be seen: each component of a part needs \
@@ -170,15 +170,20 @@ pub fn cloud_spectrum(points: &[[f64; 3]], k: usize, options: &CloudOptions) -> 
     Ok(values)
 }
 
+/// The rows of an operator with zeros on the boundary.
+const INNER: &str = "inner vertices";
+
+/// Computes the k smallest eigenvalues of an operator, whose rows are these.
 fn eigenvalues(
     operator: &Laplacian,
     k: usize,
+    rows: &str,
     par: Par,
     progress: Progress<'_>,
 ) -> Result<Vec<f64>> {
-    let rows = operator.kept.len();
-    if k > rows {
-        let why = format!("must be at most {rows}, the number of inner vertices, is {k}");
+    let most = operator.kept.len();
+    if k > most {
+        let why = format!("must be at most {most}, the number of {rows}, is {k}");
         return Err(Error::Argument { what: "k", why });
     }
     let options = EigenOptions::new().k(k).tolerance(TOLERANCE).par(par).progress(progress);

@@ -551,7 +551,12 @@ fn broken_text_is_named_by_its_line() {
             Some(9),
             "truncated: 0 of 1 rows of element vertex",
         ),
-        (format!("{ply}{face}3 0 -1 0\n"), PLY[0], Some(11), "face 0: vertex -1"),
+        (
+            format!("{ply}{face}3 0 -1 0\n"),
+            PLY[0],
+            Some(11),
+            "face 0: -1 is not the number of a vertex",
+        ),
         (
             format!("{ply}{face}3 0 1 2\n"),
             PLY[0],

@@ -160,5 +160,5 @@ pub fn true_commutativity(pair: &Pair) -> Result<Option<f64>> {
     }
     let (source, target) = both(pair, 39)?;
     let c = map_from_points(&pair.truth, source.basis(), target.basis(), Par::all())?;
-    Ok(Some(commutativity(c.as_ref(), source.values(), target.values())))
+    Ok(Some(commutativity(c.as_ref(), source.values(), target.values())?))
 }

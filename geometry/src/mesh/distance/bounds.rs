@@ -39,8 +39,9 @@ impl Bounds {
         Ok(Self { positions, paths })
     }
 
-    /// Moves each distance from the nearest of the sources in its component to the nearest bound
-    /// that it violates. `components` has the number of the component of each vertex.
+    /// Replaces each distance that violates a bound by this bound. The distances are those from the
+    /// nearest source in the component of the vertex; `components` has the number of the component
+    /// of each vertex.
     pub fn impose(&self, sources: &[u32], components: &[u32], distances: &mut [f64]) -> Result<()> {
         let mut search = Dijkstra::new(&self.paths);
         let starts: Vec<(u32, f64)> = sources.iter().map(|&source| (source, 0.0)).collect();

@@ -55,7 +55,9 @@ impl Graph {
                 ));
             }
             if !(length >= 0.0 && length.is_finite()) {
-                return refused(format!("edge {e} has length {length}, must be at least 0"));
+                return refused(format!(
+                    "edge {e} has length {length}, must be finite and at least 0"
+                ));
             }
         }
         Ok(Self::build(n, || edges.iter().copied()))

@@ -4,8 +4,9 @@ use super::figure::figure;
 use super::flat::{cylinder, disk, grid, terrain};
 use catamaran::base::{Error, Result};
 
-/// Generates the mesh of a family by the name of its function, with the arguments of the function:
-/// the counts (and the seed) in their order, and the sizes in theirs.
+/// Generates the mesh of one of the families `icosphere`, `torus`, `knot`, `genus`, `figure`,
+/// `grid`, `disk`, `cylinder` and `terrain`, by the name of its function, with the arguments of the
+/// function: the counts (and the seed) in their order, and the sizes in theirs.
 ///
 /// ```
 /// use catamaran_geometry::mesh::families;

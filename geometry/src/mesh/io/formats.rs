@@ -250,7 +250,7 @@ impl MeshFormat {
     }
 
     /// Returns the endings of the names of the files that can be read, such as ".obj, .ply or
-    /// .glb"; `.gz` or `.xz` may follow.
+    /// .glb"; the ending of a packing, such as `.gz` or `.xz`, may follow.
     ///
     /// ```
     /// use catamaran_geometry::mesh::io::MeshFormat;

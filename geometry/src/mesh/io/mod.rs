@@ -333,7 +333,8 @@ fn name_of_values(path: &Path) -> String {
 }
 
 /// Returns whether [`read_scalars`] reads this file, and not the reader of tables: its name is that
-/// of values of FreeSurfer, or its content is that of FreeSurfer or of a mesh.
+/// of values of FreeSurfer or of a mesh format that stores values of vertices (VTK, GIFTI, Gmsh),
+/// or its content is that of FreeSurfer or of a mesh.
 ///
 /// ```
 /// use catamaran_geometry::mesh::io::holds_scalars;

@@ -17,8 +17,8 @@ struct Kind {
 }
 
 impl Notes {
-    /// Counts one more note of a kind; `place` is called for the first of its kind only. It returns
-    /// nothing where the note tells the place.
+    /// Counts one more note of a kind. `place` is called for the first of its kind only, and
+    /// returns its position; an empty text where the note has no position or names it itself.
     pub fn add(&mut self, what: impl Into<Cow<'static, str>>, place: impl FnOnce() -> String) {
         self.add_many(what, 1, place);
     }

@@ -29,10 +29,12 @@ impl MeshFile {
     pub fn refined(&self, refined: &Refined) -> Result<MeshFile> {
         self.check()?;
         let (vertices, faces) = (self.mesh.vertices().len(), self.mesh.faces().len());
-        let beyond =
-            refined.vertices.iter().flat_map(|o| o.vertices).any(|v| v as usize >= vertices)
-                || refined.faces.iter().any(|&f| f as usize >= faces);
-        if beyond {
+        let fits = refined.vertices.len() == refined.mesh.vertices().len()
+            && refined.faces.len() == refined.mesh.faces().len()
+            && refined.mesh.vertices().starts_with(self.mesh.vertices())
+            && refined.vertices.iter().flat_map(|o| o.vertices).all(|v| (v as usize) < vertices)
+            && refined.faces.iter().all(|&f| (f as usize) < faces);
+        if !fits {
             let why = format!("does not refine this mesh of {vertices} vertices and {faces} faces");
             return Err(Error::Argument { what: "refined", why });
         }
@@ -160,6 +162,9 @@ mod tests {
         let other = MeshFile::from(TriMesh::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]]).unwrap());
         let wrong = other.refined(&refined).unwrap_err().to_string();
         assert!(wrong.contains("does not refine this mesh of 3"), "{wrong}");
+        // A larger mesh.
+        let larger = MeshFile::from(refined.mesh.clone());
+        assert!(larger.refined(&Refined::new(file.mesh.clone())).is_err());
     }
 
     #[test]

@@ -51,7 +51,7 @@ impl Lattice {
     pub(super) fn check(&self, given: usize, what: &'static str) -> Result<()> {
         let refused = |why: String| Err(Error::Argument { what: "lattice", why });
         if !self.step.iter().all(|s| s.is_finite() && *s > 0.0) {
-            return refused(format!("steps must be positive, are {:?}", self.step));
+            return refused(format!("steps must be positive and finite, are {:?}", self.step));
         }
         if !self.origin.iter().all(|x| x.is_finite()) {
             return refused(format!("the origin must be finite, is {:?}", self.origin));

@@ -62,7 +62,8 @@ impl<'a> March<'a> {
         let counts = lattice.counts.map(|n| n.saturating_add(2 * margin));
         let refused = |why: String| Err(Error::Argument { what: "lattice", why });
         if lattice.counts.contains(&0) || counts.iter().any(|n| *n < 2) {
-            return refused(format!("needs 2 points in each direction, has {:?}", lattice.counts));
+            let needed = if margin == 0 { "2 points" } else { "a point" };
+            return refused(format!("needs {needed} in each direction, has {:?}", lattice.counts));
         }
         let all = counts.iter().try_fold(1_usize, |n, side| n.checked_mul(*side));
         let Some(all) = all.filter(|n| u32::try_from(*n).is_ok()) else {

@@ -43,8 +43,9 @@ use catamaran::base::{Error, Par, Progress, Result, reserved};
 /// # Errors
 /// [`Error::Shape`] when there are not as many values as points; [`Error::NonFinite`] names a value
 /// (row 0, its number) that is not a number; [`Error::Argument`] for such a level, and for a
-/// lattice without two points a way (with [`Rim::Open`]), with steps that are not positive, or of
-/// more points or vertices than 2^32 - 1; [`Error::OutOfMemory`]; [`Error::Cancelled`].
+/// lattice with no points along an axis, or with only one (with [`Rim::Open`]), with steps that are
+/// not positive, or of more points or vertices than 2^32 - 1; [`Error::OutOfMemory`];
+/// [`Error::Cancelled`].
 pub fn isosurface(
     lattice: &Lattice,
     values: &[f32],

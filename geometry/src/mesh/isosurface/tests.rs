@@ -162,7 +162,7 @@ fn what_is_wrong_is_named() {
     let still = Lattice { step: [1.0, 0.0, 1.0], ..lattice };
     assert!(run(&still, &values, Rim::Closed).to_string().contains("positive"));
     let none = Lattice { counts: [0, 4, 4], ..lattice };
-    assert!(run(&none, &[], Rim::Closed).to_string().contains("needs 2 points in each direction"));
+    assert!(run(&none, &[], Rim::Closed).to_string().contains("needs a point in each direction"));
     let few = label_surface_by(
         &lattice,
         &[vec![1; 32], vec![0; 32]].concat(),

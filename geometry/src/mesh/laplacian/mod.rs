@@ -77,8 +77,8 @@ pub fn laplacian(mesh: &TriMesh, options: &LaplacianOptions) -> Result<Laplacian
 /// ```
 ///
 /// # Errors
-/// Those of [`laplacian`], for entries of these rows only; [`Error::Argument`] for rows that there
-/// are not.
+/// Those of [`laplacian`], for entries of these rows only; [`Error::Argument`] for rows that the
+/// matrices do not have.
 pub fn laplacian_rows(
     mesh: &TriMesh,
     options: &LaplacianOptions,

@@ -126,9 +126,12 @@ pub fn zoomout(
         return Err(Error::Shape { what: "functional map", expected: full, got: c.shape() });
     }
     dense::check_finite("functional map", c)?;
-    if step == 0 || rows == 0 || columns == 0 {
-        let why = format!("the step ({step}) and the map ({rows} x {columns}) must not be 0");
-        return Err(Error::Argument { what: "step", why });
+    if step == 0 {
+        return Err(Error::Argument { what: "step", why: "must be at least 1, is 0".into() });
+    }
+    if rows == 0 || columns == 0 {
+        let why = format!("is {rows} x {columns}, must not be empty");
+        return Err(Error::Argument { what: "functional map", why });
     }
     let pair = Pair::new(source, target, par)?;
     let steps = (full.0 - rows).max(full.1 - columns).div_ceil(step);

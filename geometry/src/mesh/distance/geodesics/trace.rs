@@ -57,7 +57,7 @@ pub(super) fn trace(
     match tracer.set_out(start, direction)? {
         Start { ray: Ok(ray), point } => tracer.follow(ray, point, length),
         Start { ray: Err(end), point } => {
-            // Without a length to go, no way is needed.
+            // A geodesic of length 0 is complete where it starts.
             let end = if length == 0.0 { TraceEnd::Complete } else { end };
             let path = GeodesicPath { points: vec![point], length: 0.0 };
             Ok(GeodesicTrace { path, end, direction })

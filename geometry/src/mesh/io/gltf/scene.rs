@@ -72,7 +72,8 @@ pub(super) fn placed<'c>(
     Ok(placed)
 }
 
-/// Returns the nodes from which the scene is reached; `None` where no node has a mesh.
+/// Returns the nodes from which the scene is reached; `None` for a file without scenes in which no
+/// node has a mesh.
 fn roots(document: &Document) -> Checked<Option<Vec<usize>>> {
     let scene = match document.scene {
         Some(i) => Some(document.scenes.get(i).ok_or_else(|| format!("no scene {i}"))?),

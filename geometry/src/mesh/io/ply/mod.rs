@@ -233,7 +233,7 @@ impl Reader {
 
 fn vertex_number(number: f64) -> Checked<u32> {
     match index(number) {
-        NO_INDEX => Err(format!("vertex {number}").into()),
+        NO_INDEX => Err(format!("{number} is not the number of a vertex").into()),
         vertex => Ok(vertex),
     }
 }
