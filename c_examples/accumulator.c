@@ -1,4 +1,5 @@
-/* A line fitted to measurements that come in over time, and forgotten again: a window of the last hour. */
+/* A line fitted to the measurements of the last hour: each new row is added, and the row of an hour
+ * ago is removed. */
 
 #include <catamaran.h>
 

@@ -64,7 +64,6 @@ contains
     print '(a, f6.3, a, f6.3, a, es8.1)', 'b = ', intercept(1), ' + ', x(1), ' t, error ', errors(1)
   end subroutine squares
 
-  ! The path of n nodes: 2 - 2 cos(pi k / n).
   ! The Laplacian of a path of n vertices, by rows.
   subroutine path(n, starts, columns, entries)
     integer(c_size_t), intent(in) :: n
@@ -103,6 +102,7 @@ contains
     print '(a, i0, a)', 'a factor of ', size_of_l, ' entries'
   end subroutine factorization
 
+  ! The path of n vertices has the eigenvalues 2 - 2 cos(pi k / n), k = 0 to n - 1.
   subroutine eigenpairs()
     integer(c_size_t), parameter :: n = 100, k = 5
     integer(c_size_t) :: starts(n + 1), columns(3 * n - 2), i

@@ -1,6 +1,5 @@
 /* Two regressions: a noisy one, with standard errors, checked by its normal equations in plain
- * loops; and the polynomial of degree 5 of NIST's data set Wampler1, whose coefficients are all 1.
-  * */
+ * loops; and the polynomial of degree 5 of NIST's data set Wampler1, whose coefficients are 1. */
 
 #include <catamaran.h>
 

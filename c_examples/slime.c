@@ -1,6 +1,7 @@
-/* Slime moulds on a torus, as a renderer would have them: buffers of vertices, coordinates and indices in, a texture out.
- * Two species that avoid each other. `slime --image` writes the texture of the first as slime.pgm; `slime --device 0` runs on
- * that OpenCL device, from which nothing comes but what is asked for here, with the same bytes. */
+/* Two species of slime moulds on a torus that avoid each other, as a renderer would use them:
+ * buffers of vertices, coordinates and indices in, a texture out. `slime --image` writes the
+ * texture of the first species as slime.pgm; `slime --device 0` computes the same bytes on that
+ * OpenCL device, from which only the results that this program reads are copied. */
 
 #include <catamaran.h>
 
@@ -23,7 +24,8 @@ static void check(cata_status status)
     }
 }
 
-/* The texture is wrapped once around either way; at its seams corners of one vertex have two places in it. */
+/* The texture is wrapped once around either way; at its seams, the corners of one vertex have two
+ * places in it. */
 static void make_torus(void)
 {
     static const int corners[6][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}};

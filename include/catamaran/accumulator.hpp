@@ -42,7 +42,7 @@ class accumulator {
 public:
     /// Creates an accumulator of n columns, without rows.
     explicit accumulator(std::size_t n, const accumulator_options& how = {})
-        : watcher_(new watcher_of(how.progress)), columns_(n) {
+        : watcher_(how.progress), columns_(n) {
         const bool bounded = how.sums != sums::floating;
         detail::require(!bounded || (how.lower.size() == n && how.upper.size() == n),
                         CATA_ERR_SHAPE, "lower, upper: must be one for each column");
@@ -61,22 +61,22 @@ public:
     /// Adds the rows of A, with their weights if there are any.
     void add(matrix_view<const double> a, const std::vector<double>& weights = {}) {
         check_columns(a);
-        watcher_->finish(cata_accumulator_add(handle_.get(), static_cast<std::int32_t>(a.order),
-                                              a.rows, a.data, a.leading,
-                                              detail::weights_of(weights, a.rows)));
+        watcher_.finish(cata_accumulator_add(handle_.get(), static_cast<std::int32_t>(a.order),
+                                             a.rows, a.data, a.leading,
+                                             detail::weights_of(weights, a.rows)));
     }
 
     /// Removes rows that were added.
     void remove(matrix_view<const double> a, const std::vector<double>& weights = {}) {
         check_columns(a);
-        watcher_->finish(cata_accumulator_remove(handle_.get(), static_cast<std::int32_t>(a.order),
-                                                 a.rows, a.data, a.leading,
-                                                 detail::weights_of(weights, a.rows)));
+        watcher_.finish(cata_accumulator_remove(handle_.get(), static_cast<std::int32_t>(a.order),
+                                                a.rows, a.data, a.leading,
+                                                detail::weights_of(weights, a.rows)));
     }
 
     /// Adds the rows of a file: NAME.npy, or NAME.h5:/dataset.
     void add_file(const std::string& path) {
-        watcher_->finish(cata_accumulator_add_file(handle_.get(), path.c_str()));
+        watcher_.finish(cata_accumulator_add_file(handle_.get(), path.c_str()));
     }
 
     /// Adds the rows of another one.
@@ -145,27 +145,14 @@ private:
         void operator()(cata_accumulator* handle) const noexcept { cata_accumulator_free(handle); }
     };
 
-    /// A watcher that owns its callback, at an address that stays.
-    class watcher_of {
-    public:
-        explicit watcher_of(std::function<bool(double)> progress)
-            : progress_(std::move(progress)), watcher_(progress_) {}
-        void attach(cata_accumulator_params& params) { watcher_.attach(params); }
-        void finish(cata_status status) { watcher_.finish(status); }
-
-    private:
-        std::function<bool(double)> progress_;
-        detail::watcher watcher_;
-    };
-
     accumulator(std::size_t n, const std::function<bool(double)>& progress)
-        : watcher_(new watcher_of(progress)), columns_(n) {}
+        : watcher_(progress), columns_(n) {}
 
     cata_accumulator_params detail_params(std::size_t threads) {
         cata_accumulator_params params;
         detail::check(cata_accumulator_params_init(&params, sizeof params));
         params.threads = threads;
-        watcher_->attach(params);
+        watcher_.attach(params);
         return params;
     }
 
@@ -173,7 +160,7 @@ private:
         detail::require(a.cols == columns_, CATA_ERR_SHAPE, "a: must have the columns of the sums");
     }
 
-    std::unique_ptr<watcher_of> watcher_;
+    detail::kept_watcher watcher_;
     std::unique_ptr<cata_accumulator, free> handle_;
     std::size_t columns_;
 };

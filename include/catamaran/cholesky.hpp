@@ -109,7 +109,7 @@ public:
         return n;
     }
 
-    /// Number of entries of L, zeros among them.
+    /// Number of entries of L that are stored, zeros included.
     std::size_t entries() const {
         std::size_t entries = 0;
         detail::check(cata_cholesky_size(get(), nullptr, &entries, nullptr));

@@ -18,7 +18,7 @@ struct gram_options {
     std::function<bool(double)> progress;
 };
 
-/// How a least-squares problem is solved: the fields of cata_lstsq_params.
+/// How a least-squares problem is solved: the fields of cata_lstsq_params but confidence.
 struct lstsq_options {
     /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;

@@ -1,5 +1,5 @@
-// Products, least squares, eigenpairs and orthonormal columns over the ranks of an MPI communicator. Not part of
-// catamaran.hpp: it needs <mpi.h>.
+// Products, least squares, eigenpairs and orthonormal columns over the ranks of an MPI
+// communicator. Not part of catamaran.hpp: it needs <mpi.h>.
 
 #ifndef CATAMARAN_MPI_HPP
 #define CATAMARAN_MPI_HPP

@@ -10,7 +10,8 @@
 
 namespace catamaran {
 
-/// The constants of a plant: the fields of cata_plant_params; 0 is the default of each.
+/// The constants of a plant: the fields of cata_plant_params but elasticity_literal; 0 is the
+/// default of each.
 struct plant_options {
     /// Threads, at most; 0: as many as the process may use (catamaran.h, Threads).
     std::size_t threads = 0;

@@ -138,7 +138,7 @@ public:
         return found;
     }
 
-    /// What was decided about a text table, in UTF-8; empty for other formats.
+    /// What was decided about a text table, and which integers were rounded, in UTF-8; else empty.
     std::string reading() const { return cata_table_reading(get()); }
 
     /// The handle, owned by this.
