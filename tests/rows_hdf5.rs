@@ -468,6 +468,29 @@ fn the_first_integer_that_is_rounded_is_known_once_it_is_read() {
 }
 
 #[test]
+fn missing_integers_are_not_rounded_ones() {
+    /// That of netCDF for integers of 8 bytes; it is no f64.
+    const FILL: i64 = -9_223_372_036_854_775_806;
+    let folder = folder();
+    let path = folder.path().join("a.h5");
+    let file = File::create(&path).unwrap();
+    for (name, last) in [("small", 7), ("large", (1 << 53) + 1)] {
+        let dataset = file.new_dataset::<i64>().shape((3, 1)).create(name).unwrap();
+        let values = [5, FILL, last];
+        dataset.write_raw(&values[..]).unwrap();
+        attribute(&dataset, "_FillValue", FILL);
+    }
+    drop(file);
+    let note = "integers beyond 2^53 rounded, the first in row 2, column 0 (counted from 0)";
+    for (name, expected) in [("small", None), ("large", Some(note))] {
+        let mut rows = RowFile::open(named(&path, name)).unwrap();
+        let found = block::<f64>(&mut rows, 0, 3);
+        assert!(found[(0, 0)] == 5.0 && found[(1, 0)].is_nan(), "{name}: {found:?}");
+        assert_eq!(rows.rounded_integers().as_deref(), expected, "{name}");
+    }
+}
+
+#[test]
 fn matrices_of_matlab_have_the_shape_that_matlab_shows() {
     let folder = folder();
     let path = folder.path().join("a.mat");

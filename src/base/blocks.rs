@@ -8,9 +8,10 @@ const BLOCKS_BYTES: usize = 128 << 20;
 /// Least rows of a block: fewer do not pay for the pass over C that each block takes.
 const LEAST_ROWS: usize = 1024;
 
-/// Returns the number of rows of a block of n columns: a multiple of 64, about 64 MiB. With weights
-/// there are three blocks in the memory of two. The number must not depend on threads or on the
-/// number of rows, because the result would then depend on them too.
+/// Returns the number of rows of a block of n columns: a multiple of 64, for about 64 MiB, or 1024
+/// where these would be fewer. With weights it is two thirds of that: three blocks in the memory of
+/// two. The number must not depend on threads or on the number of rows, because the result would
+/// then depend on them too.
 ///
 /// ```
 /// use catamaran::base::block_rows;

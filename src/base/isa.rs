@@ -69,8 +69,8 @@ impl IsaLevel {
         }
     }
 
-    /// Checks that the limit of this process permits the level. The error is a reason as those of
-    /// the CPU.
+    /// Checks that the limit of this process permits the level. The error says why not, in the form
+    /// in which kernels say what the CPU lacks.
     ///
     /// An invalid limit is reported once on standard error, and permits everything: the functions
     /// that ask have no way to return an error.

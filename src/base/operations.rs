@@ -49,9 +49,10 @@ fn ask_now() -> Result<()> {
     }
 }
 
-/// Returns what `work` returns, which takes about so many operations and can't ask. If that is long
-/// and the calling thread is watched, another thread does the work. That thread is left to itself
-/// when the callback asks to stop: it owns all that it uses.
+/// Calls `work`, which takes about this many operations and can't ask whether to stop, and returns
+/// its result. If that is long and the calling thread is watched, another thread does the work,
+/// while the calling thread asks. Nobody waits for that thread once the callback asks to stop: it
+/// owns all that it uses.
 ///
 /// # Errors
 /// [`Error::Cancelled`] when the callback asks to stop.

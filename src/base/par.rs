@@ -87,7 +87,7 @@ impl Par {
         }
     }
 
-    /// Calls `work(i, item)` for every item, each once, in order on one thread.
+    /// Calls `work(i, item)` for every item, each once; where there is one thread, in their order.
     #[doc(hidden)]
     pub fn for_each<T: Send>(self, items: impl Iterator<Item = T>, work: impl Fn(usize, T) + Sync) {
         if self.threads() == 1 {

@@ -3,7 +3,7 @@ use rand_xoshiro::rand_core::{Rng as _, SeedableRng};
 
 /// A seeded generator (xoshiro256++, Blackman and Vigna 2021). The same seed gives the same numbers
 /// in every version of this crate and on every machine, except that [`Rng::normal`] rounds as the
-/// machine's logarithm does.
+/// machine's logarithm and cosine do.
 ///
 /// ```
 /// use catamaran::base::Rng;

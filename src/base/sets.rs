@@ -5,7 +5,7 @@ pub struct Sets {
 }
 
 impl Sets {
-    /// Creates `count` sets of one number each; `count` is at most 2^32.
+    /// Creates `count` sets of one number each; `count` is below 2^32.
     pub fn new(count: usize) -> Self {
         Self { parent: (0..count as u32).collect() }
     }

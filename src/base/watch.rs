@@ -36,8 +36,8 @@ impl Drop for Restored {
     }
 }
 
-/// Calls `work`, during which the calling thread asks `callback` whether to stop. It got
-/// `fraction` last.
+/// Calls `work`, during which the calling thread asks `callback` whether to stop. `fraction` is the
+/// last one that the callback got.
 pub(super) fn watched<R>(callback: Callback<'_>, fraction: f64, work: impl FnOnce() -> R) -> R {
     // SAFETY: only the lifetime changes. `_restored` takes the reference out of the thread's
     // watcher before this call returns or unwinds. Others have it from `current` only, which asks

@@ -30,8 +30,9 @@ const OPERATIONS: f64 = 9.0;
 /// ```
 ///
 /// # Errors
-/// [`Error::NonFinite`] names the first entry of the lower triangle that is not finite;
-/// [`Error::OutOfMemory`]; [`Error::NotConverged`].
+/// [`Error::Shape`] when the matrix is not square; [`Error::NonFinite`] names the first entry of
+/// the lower triangle that is not finite; [`Error::OutOfMemory`]; [`Error::Cancelled`];
+/// [`Error::NotConverged`].
 pub fn symmetric_eigen(matrix: MatRef<'_, f64>) -> Result<SymmetricEigen> {
     let n = matrix.nrows();
     Error::check_shape("matrix", (n, n), matrix.shape())?;

@@ -39,6 +39,11 @@ pub(super) fn read(
     }
 }
 
+/// Returns the name of the array in a file of an archive: that of the file without one `.npy`.
+pub(super) fn array_name(file: &str) -> &str {
+    file.strip_suffix(".npy").unwrap_or(file)
+}
+
 /// An open file.
 struct Archive {
     path: PathBuf,
@@ -65,7 +70,7 @@ impl Archive {
     /// Returns the names of the arrays.
     fn names(&self) -> Result<Vec<String>> {
         let names = self.zip.file_names().map(|name| match name {
-            Ok(name) => Ok(name.trim_end_matches(".npy").to_owned()),
+            Ok(name) => Ok(array_name(&name).to_owned()),
             Err(e) => Err(self.fail(e)),
         });
         names.collect()
@@ -212,6 +217,19 @@ mod tests {
         }
         let one = archive(&folder, "one.npz", &arrays[..1]);
         assert_eq!(named(&one, "").unwrap().nrows(), 2);
+    }
+
+    #[test]
+    fn names_of_arrays_may_end_as_those_of_files_do() {
+        let folder = Folder::new();
+        let path = archive(&folder, "a.npz", &[("x", ints(&[1])), ("x.npy", ints(&[2]))]);
+        assert_eq!(doubles(&named(&path, ":x").unwrap()), faer::mat![[1.0]]);
+        assert_eq!(doubles(&named(&path, ":x.npy").unwrap()), faer::mat![[2.0]]);
+        let said = named(&path, "").unwrap_err().to_string();
+        assert!(said.contains("FILE.npz:NAME chooses one of its arrays: x, x.npy"), "{said}");
+        // The only array needs no name.
+        let one = archive(&folder, "one.npz", &[("x.npy", ints(&[3]))]);
+        assert_eq!(doubles(&named(&one, "").unwrap()), faer::mat![[3.0]]);
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Several arrays in one HDF5 file, each a dataset of its root.
 
 use std::collections::BTreeMap;
+use std::fs;
 use std::path::Path;
 
 use ::hdf5::types::{IntSize, TypeDescriptor};
@@ -9,7 +10,7 @@ use faer::MatRef;
 
 use super::npz::Array;
 use super::output::Output;
-use super::source::error;
+use super::source::{error, error_at};
 use super::stored::{Begin, Entries, Stored};
 use super::unwritten::Unwritten;
 use crate::base::{Error, Real, Result, reserved};
@@ -158,6 +159,8 @@ fn write_only<S: H5Type>(
 /// Reads all datasets of the root.
 pub(super) fn read(path: &Path, begin: Begin<'_>) -> Result<BTreeMap<String, Stored>> {
     let fail = |e| error(path, None, format!("can't be read: HDF5 says: {e}"));
+    // HDF5 does not say that there is no such file.
+    fs::metadata(path).map_err(|e| error_at(path, None, e))?;
     let (file, _) = super::rows::open_hdf5(path)?;
     let mut arrays = BTreeMap::new();
     let names = file.member_names().map_err(fail)?;

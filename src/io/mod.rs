@@ -341,7 +341,7 @@ fn write_with(
     output.commit()
 }
 
-/// Checks that [`read`] and [`write()`] know the format that this file name ends in.
+/// Checks that [`write()`] knows the format that this file name ends in; [`read`] knows others too.
 ///
 /// ```
 /// use catamaran::io::check_name;
@@ -351,7 +351,7 @@ fn write_with(
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`] when they do not.
+/// [`Error::Io`] when it does not.
 pub fn check_name(path: &Path) -> Result<()> {
     MatrixFormat::of(path).map(|_| ())
 }

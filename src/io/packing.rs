@@ -78,9 +78,10 @@ impl Packing {
             head.get(*at..).is_some_and(|head| head.starts_with(magic))
         };
         if let Some((.., packer)) = OTHERS.iter().find(is_other) {
+            let zstd = if cfg!(feature = "columnar") { ", .zst" } else { "" };
             return Err(io::Error::other(format!(
-                "is packed by {packer}, which is not supported: .gz, .xz, .bz2, .zst and .zip \
-                 are; or unpack it first"
+                "is packed by {packer}, which is not supported: .gz, .xz, .bz2{zstd} and .zip are; \
+                 or unpack it first"
             )));
         }
         if self == Self::Zstd && cfg!(not(feature = "columnar")) {
@@ -162,6 +163,7 @@ mod tests {
         for packing in [Packing::None, Packing::Gzip, Packing::Zip] {
             let lz4 = refused(packing, b"\x04\x22\x4d\x18\x60");
             assert!(lz4.contains("packed by LZ4 (.lz4), which is not"), "{lz4}");
+            assert_eq!(lz4.contains(".zst"), cfg!(feature = "columnar"), "{lz4}");
         }
         let lzma = refused(Packing::None, b"\x5d\0\0\x80\0\xff");
         assert!(lzma.contains("packed by LZMA (.lzma), which is not"), "{lzma}");

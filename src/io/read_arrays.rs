@@ -8,13 +8,14 @@ use std::path::{Path, PathBuf};
 use faer::Mat;
 use zip::result::ZipError;
 
+use super::archive::array_name;
 use super::extents::{padded_bytes, tuple};
 use super::limits::SourceOptions;
 use super::names::ArraysFormat;
 use super::npy::{Entry, trailing, truncated};
 use super::npy_header;
 use super::packing;
-use super::source::error;
+use super::source::{error, error_at};
 use super::stored::{Begin, Entries, Stored};
 use crate::base::{Error, Result, reserved};
 
@@ -157,13 +158,13 @@ impl Arrays {
 
 fn read_npz(path: &Path, begin: Begin<'_>) -> Result<BTreeMap<String, Stored>> {
     let fail = |e: &dyn std::fmt::Display| error(path, None, e.to_string());
-    let file = File::open(path).map_err(|e| fail(&e))?;
+    let file = File::open(path).map_err(|e| error_at(path, None, e))?;
     let mut archive = zip::ZipArchive::new(BufReader::new(file)).map_err(|e| fail(&plain(e)))?;
     let mut arrays = BTreeMap::new();
     for i in 0..archive.len() {
         let count = archive.len();
         let mut entry = archive.by_index(i).map_err(|e| fail(&plain(e)))?;
-        let name = entry.name().map_err(|e| fail(&plain(e)))?.trim_end_matches(".npy").to_owned();
+        let name = array_name(&entry.name().map_err(|e| fail(&plain(e)))?).to_owned();
         let size = entry.size();
         begin(i, count, size)?;
         let mut content = reserved(usize::try_from(size).map_err(|e| fail(&e))?)?;
@@ -261,6 +262,36 @@ mod tests {
             assert!(said.contains("`v` is not a matrix"), "{said}");
             let said = read.vector("w").unwrap_err().to_string();
             assert!(said.contains("has no array `w`"), "{said}");
+        }
+    }
+
+    #[test]
+    fn names_of_arrays_may_end_as_those_of_files_do() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.npz");
+        let output = Output::create(&path, Overwrite::Never).unwrap();
+        let mut writer = ArraysWriter::new(output).unwrap();
+        writer.array("x", Array::Vector(&[1.0])).unwrap();
+        writer.array("x.npy", Array::Vector(&[2.0])).unwrap();
+        writer.finish().unwrap();
+        let read = read_arrays(&path).unwrap();
+        assert_eq!(read.names().collect::<Vec<_>>(), ["x", "x.npy"]);
+        assert_eq!(read.vector("x").unwrap(), [1.0]);
+        assert_eq!(read.vector("x.npy").unwrap(), [2.0]);
+    }
+
+    #[test]
+    fn missing_files_are_named_with_the_cause() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in &["a.npz", "a.h5"][..if cfg!(feature = "hdf5") { 2 } else { 1 }] {
+            let path = folder.path().join(name);
+            match read_arrays(&path).unwrap_err() {
+                Error::Io { path: named, line: None, what, cause } => {
+                    assert_eq!((named, &what[..]), (path, "no such file"));
+                    assert!(cause.is_some(), "{name}");
+                }
+                other => panic!("{other:?}"),
+            }
         }
     }
 

@@ -501,6 +501,33 @@ fn the_head_of_an_accumulator_tells_its_rows_and_labels() {
 }
 
 #[test]
+fn labels_that_no_reader_accepts_are_not_written() {
+    /// Bytes of one label in a head of 1 MiB, of which 53 are of numbers and 8 of lengths.
+    const ROOM: usize = (1 << 20) - 53 - 8;
+    let folder = Folder::new();
+    let path = folder.path("sums");
+    let mut sum = Accumulator::<f64>::new(2, false).unwrap();
+    let write = |sum: &Accumulator<f64>| {
+        write_accumulator(Output::create(&path, Overwrite::Replace).unwrap(), sum)
+    };
+    write(&sum).unwrap();
+    let before = fs::read(&path).unwrap();
+    for (len, why) in [
+        (ROOM, "can't be written: all labels: 1048577 bytes, but a file has room for 1048576"),
+        (1 << 21, "can't be written: label a: 2097152 bytes, but a file has room for 1048576"),
+    ] {
+        sum.set_labels(vec![("a".into(), "x".repeat(len))]);
+        let said = write(&sum).unwrap_err().to_string();
+        assert!(said.ends_with(why), "{said}");
+        assert!(fs::read(&path).unwrap() == before);
+    }
+    sum.set_labels(vec![("a".into(), "x".repeat(ROOM - 1))]);
+    write(&sum).unwrap();
+    assert!(accumulator_labels(&path).unwrap().1 == sum.labels());
+    assert!(read_accumulator::<f64>(&path).unwrap().labels() == sum.labels());
+}
+
+#[test]
 fn an_accumulator_gets_memory_for_what_is_there() {
     // The offsets of the number of columns and of the end of the strip, and where the head ends.
     const COLUMNS: [usize; 2] = [20, 36];

@@ -11,7 +11,7 @@ use crate::sparse::{InnerSpace, Mass};
 /// that are independent. A (n x c, any strides) becomes Q; R (c x c), upper triangular with a
 /// positive diagonal, is returned.
 ///
-/// It takes two passes over A if the condition of A allows, up to five otherwise. This is about
+/// It takes two passes over A if the condition of A allows, up to six otherwise. This is about
 /// half the work of [`gram_schmidt`](super::gram_schmidt()), which also accepts columns that depend
 /// on others. The result is the same, bit for bit, for every `par`.
 ///

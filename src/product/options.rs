@@ -32,7 +32,8 @@ pub enum Uplo {
 #[non_exhaustive]
 pub enum Accuracy {
     /// The exact path, on any machine: no entry has a larger error than a correctly rounded result
-    /// by more than a few percent of the unit roundoff, relative to the norms of its columns.
+    /// by more than a few percent of the unit roundoff, relative to the norms of its columns. As
+    /// `Classical` with a scheme other than [`SchemeChoice::Auto`] and [`SchemeChoice::Exact`].
     Max,
     /// Classical products only: componentwise bounds.
     Classical,
@@ -59,7 +60,7 @@ pub enum SchemeChoice {
     /// side.
     Ata2,
     /// [`SchemeId::Split`](super::schemes::SchemeId::Split) over Winograd's variant. With the
-    /// native kernels, which share no sums, over Strassen's algorithm, which then has fewer.
+    /// native kernels, which share no sums, over Strassen's algorithm, which then adds less.
     Winograd,
     /// RXTX over Winograd's variant.
     Rxtx,

@@ -31,9 +31,9 @@ const BLOCKS_PER_THREAD: usize = 8;
 /// Sums are in f64 and in the order of the rows, rounded once to T: the result is the same, bit for
 /// bit, for every `options.par`. Entries that are not stored are zeros, and not multiplied: NaN and
 /// infinities reach those entries of C only whose columns share a row with them. With `beta == 0` C
-/// is not read, with `alpha == 0` A is not. The extra memory is at most 16 bytes for each entry of
-/// A, and for each thread n f64 or 512 KiB. [`sparse_is_faster`] says whether the dense product
-/// would take longer.
+/// is not read, with `alpha == 0` A is not. The extra memory is at most 16 bytes for each entry and
+/// 24 for each column of A, and for each thread n f64 or 512 KiB. [`sparse_is_faster`] says whether
+/// the dense product would take longer.
 ///
 /// ```
 /// use catamaran::product::ata_sparse;
@@ -200,7 +200,8 @@ impl<'a, S: Real> Blocks<'a, S> {
         }
         let mut entries = reserved(starts[count])?;
         entries.resize(starts[count], (0, 0));
-        let mut ends = starts.clone();
+        let mut ends = reserved(count)?;
+        ends.extend_from_slice(&starts[..count]);
         blocks.for_each_entry(|block, entry, _| {
             entries[ends[block]] = entry;
             ends[block] += 1;

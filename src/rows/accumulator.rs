@@ -280,7 +280,7 @@ impl<T: BlasReal> Accumulator<T> {
         &self.labels
     }
 
-    /// Replaces the labels.
+    /// Replaces the labels. A file has room for about 1 MiB of them.
     pub fn set_labels(&mut self, labels: Vec<(String, String)>) {
         self.labels = labels;
     }
@@ -448,7 +448,8 @@ impl<T: BlasReal> Accumulator<T> {
         block_rows::<T>(self.ncols, weights.is_some())
     }
 
-    fn change_rows(
+    /// Adds the rows of a source or removes them, in blocks of `height` rows.
+    pub(super) fn change_rows(
         &mut self,
         rows: &mut (dyn RowBlocks<T> + Send),
         weights: Option<&[T]>,
@@ -525,8 +526,9 @@ impl<T: BlasReal> Accumulator<T> {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Argument`] when they differ in kind, columns, strip or centring, or when the grids
-    /// of exact sums are too far apart for 128 bits; the accumulator must not be used after that.
+    /// [`Error::Argument`] when they differ in kind, columns, strip or centring, which leaves the
+    /// accumulator as it was, or when the grids of exact sums are too far apart for 128 bits, after
+    /// which it must not be used.
     pub fn merge(&mut self, other: Self) -> Result<()> {
         let different = |what, own: String, others: String| {
             let why = format!("{what}: {own} and {others} can't be merged");
@@ -544,18 +546,17 @@ impl<T: BlasReal> Accumulator<T> {
             let name = |c: bool| if c { "centred" } else { "not centred" }.to_owned();
             return different("centring", name(self.is_centered()), name(other.is_centered()));
         }
-        self.expected_rows = self.expected_rows().saturating_add(other.expected_rows());
+        let expected_rows = self.expected_rows().saturating_add(other.expected_rows());
+        match (&mut self.sums, other.sums) {
+            (Sums::Float(own), Sums::Float(others)) => own.merge(others),
+            (Sums::Exact(own), Sums::Exact(others)) => own.merge(others)?,
+            (Sums::Extended(own), Sums::Extended(others)) => own.merge(others)?,
+            (own, others) => return different("sums", own.name().into(), others.name().into()),
+        }
+        self.expected_rows = expected_rows;
         self.block_rows = 0;
         self.labels.retain(|label| other.labels.contains(label));
-        match (&mut self.sums, other.sums) {
-            (Sums::Float(own), Sums::Float(others)) => {
-                own.merge(others);
-                Ok(())
-            }
-            (Sums::Exact(own), Sums::Exact(others)) => own.merge(others),
-            (Sums::Extended(own), Sums::Extended(others)) => own.merge(others),
-            (own, others) => different("sums", own.name().into(), others.name().into()),
-        }
+        Ok(())
     }
 
     /// Returns `alpha C`, about the mean when centred. An accumulator for all of C returns the

@@ -94,7 +94,7 @@ impl<T: BlasReal> ExactSums<T, I256> {
         let (n, width) = (coding.numbers.len(), coding.width());
         self.check(count, weights, subtract)?;
         if let Some(at) = block.iter().position(|x| !x.is_finite()) {
-            let index = (at / width, coding.column(at % width));
+            let index = (pass.first + at / width, coding.column(at % width));
             return Err(Error::NonFinite { what: "rows", index });
         }
         let par = pass.options.par;
@@ -354,7 +354,7 @@ mod tests {
     use crate::base::{Par, Rng};
     use crate::rows::{
         Accumulator, Center, DenseRows, Design, DesignColumn, DesignRows, ExtendedGram, Factor,
-        RowBounds, RowOptions, ata_extended,
+        RowBounds, RowOptions, ata_extended, stream,
     };
 
     /// Rows that can be read as codes only.
@@ -555,6 +555,23 @@ mod tests {
             let refused = ata_extended(&mut rows, &RowOptions::<f64>::new(), &options);
             let expected = Error::NonFinite { what: "rows", index: (17, named) };
             assert_eq!(refused.unwrap_err(), expected);
+        }
+    }
+
+    #[test]
+    fn what_is_not_finite_is_named_by_its_row_of_the_source() {
+        let (mut table, design, options) = (table(), design(), AtaOptions::new());
+        let all = whole(&design, &table);
+        let bounds =
+            RowBounds::<f64>::of(&mut DenseRows(all.as_ref()), None, 64, &options).unwrap();
+        table[(17, 2)] = f64::NAN;
+        for block_rows in [5, 64] {
+            let mut sum = Accumulator::extended(&bounds, false).unwrap();
+            let mut part = DenseRows(table.as_ref());
+            let mut rows = CodesOnly(design.rows(&mut part).unwrap());
+            let refused = stream(&mut rows, None, block_rows, &mut sum, &options, &mut |_| Ok(()));
+            let expected = Error::NonFinite { what: "rows", index: (17, 50) };
+            assert_eq!(refused.unwrap_err(), expected, "blocks of {block_rows}");
         }
     }
 

@@ -71,7 +71,9 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
         let mut entries = reserved(self.entries.len())?;
         entries.extend_from_slice(&self.entries);
         let (grid, strip) = (self.grid.clone(), self.strip.clone());
-        let (sums, flags) = (self.sums.clone(), self.flags.clone());
+        let mut flags = reserved(self.flags.len())?;
+        flags.extend_from_slice(&self.flags);
+        let sums = self.sums.clone();
         Ok(Self { grid, strip, sums, entries, flags, ..*self })
     }
 
@@ -146,6 +148,7 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
     ) -> Result<()> {
         let n = self.grid.ncols();
         let capacity = self.check(count, weights, subtract)?;
+        let first = pass.first;
         let (options, engine, memory) = pass.parts();
         // Weights were declared: rows without weights have weight 1.
         let ones;
@@ -167,7 +170,7 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
         if n > 0 {
             if found.finite.iter().any(|finite| !finite.is_empty()) {
                 if subtract {
-                    return Err(first_non_finite(block, n, 0));
+                    return Err(first_non_finite(block, n, first));
                 }
                 let right = weights.map(|_| &*weighted);
                 options.on_cores(|| self.take_flags(count, block, right, &found, options.par))?;

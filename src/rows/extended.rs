@@ -165,7 +165,7 @@ impl ExtendedGram {
 
     /// Returns the columns, ascending, of which parts of the squared length are out of the range of
     /// f64: those that are not zero but shorter than 2^-450, and those whose square overflows. The
-    /// functions of the module `gram` refuse them.
+    /// functions of the module [`solve`](crate::solve) refuse them.
     ///
     /// ```
     /// use catamaran::rows::{DenseRows, RowOptions, ata_extended};

@@ -21,6 +21,7 @@
 //! No allocation depends on the head alone: vectors and C grow with the bytes that arrive, unless
 //! the source is known to be as long as its head says.
 
+use std::fmt::Display;
 use std::io::{self, Read, Write};
 use std::ops::Range;
 
@@ -154,36 +155,14 @@ impl<T: BlasReal> Accumulator<T> {
     /// ```
     ///
     /// # Errors
-    /// Those of the sink.
+    /// Those of the sink; [`io::ErrorKind::InvalidInput`], before a byte is written, when the
+    /// labels take more than about 1 MiB.
     pub fn write(&self, sink: &mut dyn Write) -> io::Result<()> {
-        let mut head = Vec::new();
-        let strip = self.strip();
-        let numbers = [
-            self.ncols as u64,
-            strip.start as u64,
-            strip.end as u64,
-            self.rows(),
-            self.expected_rows,
-            self.block_rows,
-        ];
-        numbers.iter().for_each(|number| head.extend(number.to_le_bytes()));
-        head.push(
-            match &self.sums {
-                Sums::Float(sums) => flag(SHIFTED, !sums.moments.shift.is_empty()),
-                Sums::Exact(sums) => EXACT | flags_of(sums),
-                Sums::Extended(sums) => EXACT | EXTENDED | flags_of(sums),
-            } | flag(CENTERED, self.is_centered()),
-        );
-        head.extend((self.labels.len() as u32).to_le_bytes());
-        for text in self.labels.iter().flat_map(|(name, value)| [name, value]) {
-            head.extend((text.len() as u32).to_le_bytes());
-            head.extend(text.as_bytes());
-        }
+        let (head, strip) = (self.head()?, self.strip());
         let mut sink = Checked::new(sink);
         sink.put(MAGIC)?;
         sink.put(&VERSION.to_le_bytes())?;
         sink.put(&(size_of::<T>() as u32).to_le_bytes())?;
-        sink.put(&(head.len() as u32).to_le_bytes())?;
         sink.put(&head)?;
         sink.put_check()?;
         match &self.sums {
@@ -199,6 +178,41 @@ impl<T: BlasReal> Accumulator<T> {
             Sums::Extended(sums) => put_exact(&mut sink, sums)?,
         }
         sink.put_check()
+    }
+
+    /// Returns the length of the head, and the head.
+    ///
+    /// # Errors
+    /// [`io::ErrorKind::InvalidInput`] for what [`Accumulator::read`] refuses.
+    pub(crate) fn head(&self) -> io::Result<Vec<u8>> {
+        let (strip, rows) = (self.strip(), [self.rows(), self.expected_rows, self.block_rows]);
+        if let Some(rows) = rows.iter().find(|&&rows| rows > MOST_ROWS) {
+            let what = format!("{rows} rows are more than a file can have, {MOST_ROWS}");
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, what));
+        }
+        let mut head = Vec::new();
+        let numbers = [self.ncols, strip.start, strip.end].map(|number| number as u64);
+        numbers.iter().chain(&rows).for_each(|number| head.extend(number.to_le_bytes()));
+        head.push(
+            match &self.sums {
+                Sums::Float(sums) => flag(SHIFTED, !sums.moments.shift.is_empty()),
+                Sums::Exact(sums) => EXACT | flags_of(sums),
+                Sums::Extended(sums) => EXACT | EXTENDED | flags_of(sums),
+            } | flag(CENTERED, self.is_centered()),
+        );
+        let mut texts = Vec::new();
+        for (name, value) in &self.labels {
+            for text in [name, value] {
+                texts.extend(stored_length(format_args!("label {name:.32}"), text.len())?);
+                texts.extend(text.as_bytes());
+            }
+        }
+        // There are fewer labels than bytes of them.
+        stored_length("all labels", texts.len())?;
+        head.extend(stored_length("all labels", self.labels.len())?);
+        head.extend(texts);
+        let length = stored_length("all labels", head.len())?;
+        Ok([&length[..], &head[..]].concat())
     }
 
     /// Reads an accumulator that [`Accumulator::write`] wrote, bit for bit.
@@ -364,6 +378,17 @@ fn get_exact<T: BlasReal, I: Value + SumInteger>(
         return Err(invalid("damaged: sums that its rows can't have"));
     }
     Ok(read)
+}
+
+/// Returns a length of the head as it is stored; the error says that `what` is too long.
+fn stored_length(what: impl Display, length: usize) -> io::Result<[u8; 4]> {
+    match u32::try_from(length) {
+        Ok(length) if length <= LONGEST_HEAD => Ok(length.to_le_bytes()),
+        _ => {
+            let what = format!("{what}: {length} bytes, but a file has room for {LONGEST_HEAD}");
+            Err(io::Error::new(io::ErrorKind::InvalidInput, what))
+        }
+    }
 }
 
 fn no_memory(e: Error) -> io::Error {

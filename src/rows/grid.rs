@@ -132,7 +132,8 @@ impl<T: Real> RowBounds<T> {
     /// ```
     ///
     /// # Errors
-    /// Those of the source, [`Error::OutOfMemory`], [`Error::Cancelled`].
+    /// [`Error::Argument`] for `block_rows` 0; those of the source, [`Error::OutOfMemory`],
+    /// [`Error::Cancelled`].
     pub fn of(
         rows: &mut (dyn RowBlocks<T> + Send),
         weights: Option<&[T]>,
@@ -160,6 +161,9 @@ impl<T: Real> RowBounds<T> {
         refuse: bool,
         options: &AtaOptions<'_>,
     ) -> Result<Self> {
+        if block_rows == 0 {
+            return Err(Error::Argument { what: "block rows", why: "must be at least 1".into() });
+        }
         if let Some(coding) = rows.coding() {
             let rows = &mut CodedRows::new(rows, &coding);
             return match Self::read(rows, weights, block_rows, refuse, options) {

@@ -34,6 +34,7 @@ pub(super) fn for_each_block_of<'o, T: BlasReal>(
     for_each_block(rows, start, height, options.par, |first, block| {
         let count = height.min(m - first);
         let weights = weights.map(|weights| &weights[first..first + count]);
+        pass.first = first;
         pass.progress = options.progress.part(share_of_rows(first, count, m));
         work(count, block, weights, &mut pass)
     })
@@ -48,6 +49,8 @@ fn share_of_rows(first: usize, count: usize, m: usize) -> Range<f64> {
 /// What a pass over rows needs beside its sums.
 pub(crate) struct Pass<'o> {
     pub options: AtaOptions<'o>,
+    /// The number in the source of the first row of the current block.
+    pub first: usize,
     /// The part of `options.progress` for the current block.
     pub progress: Progress<'o>,
     /// Memory for rows times weights.
@@ -80,6 +83,7 @@ impl<'o> Pass<'o> {
     pub fn new(options: &AtaOptions<'o>) -> Result<Self> {
         Ok(Self {
             options: options.clone(),
+            first: 0,
             progress: options.progress,
             weighted: Scratch::default(),
             engine: Engine {

@@ -386,6 +386,52 @@ fn a_block_of_several_pieces_is_added_whole_or_not_at_all() {
 }
 
 #[test]
+fn rows_that_are_not_finite_are_named_by_their_number_in_the_source() {
+    let (m, n, height) = (23, 3, 5);
+    let bounds = RowBounds::new(vec![0.0; n], vec![4.0; n], 50).unwrap();
+    let options = AtaOptions::new().threads(2);
+    for mut sum in [
+        Accumulator::<f64>::exact(&bounds, true).unwrap(),
+        Accumulator::extended(&bounds, true).unwrap(),
+    ] {
+        let mut rows = Mat::from_fn(m, n, |i, j| ((i + j) % 4) as f64);
+        sum.add_rows(&mut DenseRows(rows.as_ref()), None, &options).unwrap();
+        rows[(17, 1)] = f64::NAN;
+        let mut source = DenseRows(rows.as_ref());
+        let error = sum.change_rows(&mut source, None, true, height, &options).unwrap_err();
+        assert_eq!(error, Error::NonFinite { what: "rows", index: (17, 1) });
+    }
+}
+
+#[test]
+fn blocks_without_rows_are_refused_before_a_row_is_read() {
+    let (rows, options) = (Mat::<f64>::zeros(3, 2), AtaOptions::new());
+    let mut rows = DenseRows(rows.as_ref());
+    let bounds = RowBounds::<f64>::of(&mut rows, None, 0, &options).unwrap_err();
+    let mut sum = Accumulator::<f64>::new(2, false).unwrap();
+    let streamed = stream(&mut rows, None, 0, &mut sum, &options, &mut |_| Ok(())).unwrap_err();
+    assert_eq!(bounds, streamed);
+    assert_eq!(bounds.to_string(), "block rows: must be at least 1");
+}
+
+#[test]
+fn sums_of_another_kind_leave_the_accumulator_as_it_was() {
+    let bounds = RowBounds::new(vec![0.0], vec![4.0], 50).unwrap();
+    let (rows, options) = (mat![[1.0], [2.0]], AtaOptions::new());
+    let mut sum = Accumulator::<f64>::new(1, false).unwrap();
+    sum.set_labels(vec![("file".into(), "a.npy".into())]);
+    stream(&mut DenseRows(rows.as_ref()), None, 1, &mut sum, &options, &mut |_| Ok(())).unwrap();
+    let before = bytes(&sum);
+    for other in [Accumulator::exact(&bounds, false), Accumulator::extended(&bounds, false)] {
+        let mut other = other.unwrap();
+        other.add_block(rows.as_ref(), None, &options).unwrap();
+        let error = sum.merge(other).unwrap_err().to_string();
+        assert!(error.starts_with("accumulator: sums: floating-point and e"), "{error}");
+        assert!(bytes(&sum) == before);
+    }
+}
+
+#[test]
 fn a_block_may_have_any_strides() {
     let rows = Mat::from_fn(5, 3, |i, j| (2 * i + j) as f64);
     let stored = Mat::from_fn(7, 5, |j, i| if j < 3 { rows[(4 - i, j)] } else { f64::NAN });

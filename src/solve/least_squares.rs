@@ -388,7 +388,10 @@ fn checked<'a>(
 ) -> Result<Problem<'a>> {
     let refuse = |what, why| Err(Error::Argument { what, why });
     if targets == 0 || targets > gram.n() {
-        let why = format!("must be from 1 to {} (columns), but is {targets}", gram.n());
+        let why = match gram.n() {
+            0 => "must be at least 1, but the rows have no columns".into(),
+            n => format!("must be from 1 to {n} (columns), but is {targets}"),
+        };
         return refuse("targets", why);
     }
     options.check_ranges()?;

@@ -52,7 +52,8 @@ impl GramQr {
     /// Factors a Gram matrix. The result is the same, bit for bit, for every `par`.
     ///
     /// # Errors
-    /// [`Error::Argument`] that names columns which depend on those before them; else as
+    /// [`Error::Argument`] that names columns which depend on those before them, or says that the
+    /// columns do so to the precision of a Gram matrix with rounded entries; else as
     /// [`PivotedCholesky::from_gram`].
     pub fn from_gram(gram: &ExtendedGram, par: Par) -> Result<Self> {
         /// Distance of `Q^T Q` from the identity that is negligible.

@@ -311,6 +311,9 @@ fn what_is_no_problem_is_refused() {
     assert_eq!(what(1, options.ridge(-1.0)), "ridge");
     assert_eq!(what(1, options.ridge(f64::NAN)), "ridge");
     assert_eq!(what(1, options.intercept(true)), "intercept");
+    let none = Mat::zeros(2, 0);
+    let refused = lstsq(none.as_ref(), none.as_ref(), None, &options).unwrap_err().to_string();
+    assert_eq!(refused, "targets: must be at least 1, but the rows have no columns");
     // No columns at all.
     let found = LeastSquares::from_gram(&plain, 3, &options).unwrap();
     assert_eq!((found.rank, found.coefficients.nrows(), found.condition), (0, 0, 1.0));

@@ -67,7 +67,7 @@ pub(crate) fn certify(
         let residual = gap / size;
         let mut allowed = tolerance;
         if residual > tolerance {
-            let rounding = magnitude(pencil, vectors.subcols(j, 1))? / size;
+            let rounding = magnitudes(pencil, vectors.subcols(j, 1))?.norm / size;
             allowed = allowed.max(roundings * f64::EPSILON * rounding);
         }
         found.largest = found.largest.max(number(residual));
@@ -77,13 +77,23 @@ pub(crate) fn certify(
     Ok(found)
 }
 
-/// Computes the norm `| |W| |phi| |`.
-fn magnitude(pencil: &dyn Pencil, phi: MatRef<'_, f64>) -> Result<f64> {
+/// What bounds the rounding of `W phi` and of `phi^T W phi`.
+pub(crate) struct Magnitudes {
+    /// The norm `| |W| |phi| |`.
+    pub norm: f64,
+    /// The product `|phi|^T |W| |phi|`.
+    pub dot: f64,
+}
+
+/// Computes the magnitudes of one vector.
+pub(crate) fn magnitudes(pencil: &dyn Pencil, phi: MatRef<'_, f64>) -> Result<Magnitudes> {
     let mut sums = Mat::zeros(phi.nrows(), 1);
     pencil.apply_magnitudes(phi, sums.as_mut())?;
-    let mut square = Mat::from_fn(1, 1, |_, _| sums.squared_norm_l2());
-    pencil.inner().sum(square.as_mut())?;
-    Ok(square[(0, 0)].sqrt())
+    let mut found = Mat::<f64>::zeros(2, 1);
+    found[(0, 0)] = sums.squared_norm_l2();
+    found[(1, 0)] = (0..phi.nrows()).map(|i| phi[(i, 0)].abs() * sums[(i, 0)]).sum::<f64>();
+    pencil.inner().sum(found.as_mut())?;
+    Ok(Magnitudes { norm: found[(0, 0)].sqrt(), dot: found[(1, 0)] })
 }
 
 /// Distance of two eigenvalues, relative to them, above which they can be counted apart.

@@ -48,8 +48,7 @@ impl Eigenpairs {
     }
 }
 
-/// Returns these pairs in ascending order. For a semi-definite matrix (`positive`), negative values
-/// are rounding errors and become zero.
+/// Returns these pairs in ascending order.
 ///
 /// # Errors
 /// [`Error::OutOfMemory`](crate::Error::OutOfMemory).
@@ -58,14 +57,12 @@ pub(crate) fn ascending(
     vectors: MatRef<'_, f64>,
     residuals: &[f64],
     solves: usize,
-    positive: bool,
     par: Par,
 ) -> Result<Eigenpairs> {
-    let least = if positive { 0.0 } else { f64::NEG_INFINITY };
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
     Ok(Eigenpairs {
-        values: order.iter().map(|&j| values[j].max(least)).collect(),
+        values: order.iter().map(|&j| values[j]).collect(),
         vectors: columns(vectors, &order, par)?,
         residuals: order.iter().map(|&j| residuals[j]).collect(),
         solves,

@@ -29,7 +29,8 @@ use crate::dense::filled;
 /// -s are below all eigenvalues. Null vectors that are constant on components of the graph of W are
 /// not iterated, however many there are ([`free_components`](super::free_components) counts them):
 /// their eigenvalues are 0. Other eigenvalues of more than 8 dimensions are complete only under
-/// [`EigenOptions::verify_count`].
+/// [`EigenOptions::verify_count`]. Without a shift, eigenvalues that rounding or the tolerance
+/// (relative to s) leaves below 0 are returned as 0, and smaller ones are an error.
 ///
 /// The result is the same, bit for bit, for every `options.par`. Memory: about `2 k + 80` vectors
 /// of n, the result, and the factor.
@@ -129,7 +130,8 @@ pub(crate) fn one_window(problem: &Problem<'_>, options: &EigenOptions<'_>) -> R
     check_request("k", request, (n as f64 * size as f64) * size_of::<f64>() as f64)?;
     let pairs = match options.shift {
         Some(shift) if is_below_all(problem, shift)? => {
-            lowest(problem, &EigenOptions { shift: None, ..options.clone() })
+            // Not without a shift: W need not be semi-definite.
+            lowest(problem, &EigenOptions { shift: Some(-problem.scale), ..options.clone() })
         }
         Some(shift) => around(problem, shift, options),
         None => lowest(problem, options),
@@ -179,9 +181,9 @@ fn small(
     check_request("k", request, DENSE * (n as f64).powi(2) * size_of::<f64>() as f64)?;
     let (values, vectors) = dense_pairs(stiffness, mass, options)?;
     let scale = scale(stiffness, mass);
-    // The limit of the iteration, whose first factorization is that of W + s M.
     let largest = values.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
-    if options.shift.is_none() && values[0] <= -scale.max(ROUNDED * largest) {
+    let negligible = (options.tolerance * scale).max(ROUNDED * largest);
+    if options.shift.is_none() && values[0] < -negligible {
         return Err(not_semi_definite());
     }
     let kept = match options.shift {
@@ -193,6 +195,7 @@ fn small(
         // The values of constants on components are zero, not rounding errors.
         let free = null_components(stiffness, mass).len().min(options.k);
         values[..free].fill(0.0);
+        values.iter_mut().for_each(|value| *value = value.max(0.0));
     }
     let rows = pencil.inner().rows();
     let vectors = filled(rows.len(), options.k, |i, j| vectors[(rows.start + i, kept.start + j)])?;
@@ -200,7 +203,7 @@ fn small(
     let Certificate { residuals, .. } =
         certify(pencil, &values, vectors, scale, ROUNDINGS, options)?;
     options.progress.report(1.0)?;
-    ascending(&values, vectors, &residuals, 0, options.shift.is_none(), options.par)
+    ascending(&values, vectors, &residuals, 0, options.par)
 }
 
 /// Returns the places of the `k` of ascending values that are nearest to a shift. Distances are
@@ -245,6 +248,57 @@ mod tests {
             }
             let found = eigs(w.view(), &mass, &options.shift(-2.1)).unwrap();
             assert!((found.values[0] + 2.0).abs() < 1e-9, "n = {n}: {:?}", found.values);
+        }
+    }
+
+    /// Returns a diagonal matrix.
+    fn diagonal(entries: Vec<f64>) -> CsMat<f64> {
+        let n = entries.len();
+        CsMat::new((n, n), (0..=n).collect(), (0..n).collect(), entries)
+    }
+
+    #[test]
+    fn negative_eigenvalues_above_the_first_shift_are_no_rounding_errors() {
+        // The scales are 2 / 4 and 250 / 500.
+        for (n, least) in [(4, -1e-3), (4, -1e-7), (500, -0.1), (500, -1e-7)] {
+            let w = diagonal((0..n).map(|i| if i == 0 { least } else { i as f64 }).collect());
+            let (mass, options) = (Mass::identity(n), EigenOptions::new().k(1));
+            let refused = eigs(w.view(), &mass, &options).unwrap_err().to_string();
+            assert!(refused.contains("not positive semi-definite"), "n = {n}: {refused}");
+            // A shift beside it, and one below -s, from where the iteration starts at -s.
+            for shift in [-0.2, -3.0] {
+                let found = eigs(w.view(), &mass, &options.clone().shift(shift)).unwrap();
+                assert!((found.values[0] - least).abs() < 1e-9, "n = {n}: {:?}", found.values);
+            }
+        }
+    }
+
+    #[test]
+    fn what_the_tolerance_leaves_below_zero_becomes_zero_with_the_residual_of_zero() {
+        for n in [4, 500] {
+            // s / 1000 below zero.
+            let w = diagonal((0..n).map(|i| if i == 0 { -5e-4 } else { i as f64 }).collect());
+            let options = EigenOptions::new().k(1).tolerance(1e-2);
+            let found = eigs(w.view(), &Mass::identity(n), &options).unwrap();
+            assert_eq!(found.values, [0.0], "n = {n}");
+            assert!((5e-4..2e-2).contains(&found.residuals[0]), "n = {n}: {:?}", found.residuals);
+        }
+    }
+
+    #[test]
+    fn semi_definite_matrices_have_no_negative_eigenvalue() {
+        // The Laplacian of a path between diagonal matrices: the null vector is not constant.
+        for n in [4, 60, 500] {
+            let (mut w, size) = (path(n), |i: usize| (1 + i % 7) as f64);
+            let places: Vec<_> = w.iter().map(|(_, (i, j))| (i, j)).collect();
+            for (x, (i, j)) in w.data_mut().iter_mut().zip(places) {
+                *x *= size(i) * size(j);
+            }
+            for tolerance in [1e-11, 1e-9, 1e-2] {
+                let options = EigenOptions::new().k(2).tolerance(tolerance);
+                let found = eigs(w.view(), &Mass::identity(n), &options).unwrap().values;
+                assert!((0.0..tolerance).contains(&found[0]), "n = {n}: {found:?}");
+            }
         }
     }
 

@@ -1,6 +1,6 @@
 use sprs::CsMatView;
 
-use super::certificate::{ROUNDINGS, certify};
+use super::certificate::{ROUNDINGS, certify, magnitudes};
 use super::cholesky::Symbolic;
 use super::eigenpairs::{Eigenpairs, ascending};
 use super::lanczos::{Krylov, WIDTH};
@@ -175,12 +175,12 @@ impl<'a> Problem<'a> {
             }
             drop(factor);
             if complete(krylov.values())? {
-                let positive = options.shift.is_none();
                 let (values, vectors) = (krylov.values(), krylov.vectors());
                 let (residuals, solves) = (&certificate.residuals, krylov.solves());
-                let mut pairs =
-                    ascending(values, vectors, residuals, solves, positive, options.par)?;
-                if positive {
+                let mut pairs = ascending(values, vectors, residuals, solves, options.par)?;
+                // Later slices start inside the spectrum, and hand out nothing near zero.
+                if options.shift.is_none() && sigma < 0.0 {
+                    without_negative(self.pencil, &mut pairs, self.scale, options)?;
                     // The values of constants on components are zero, not rounding errors.
                     let null = self.null_near(sigma);
                     pairs.values.iter_mut().take(null.len()).for_each(|value| *value = 0.0);
@@ -213,8 +213,8 @@ impl Shifts for WholeShifts<'_> {
     }
 }
 
-/// Replaces the residual of an [`Error::NotConverged`] by that of an earlier round that did not reach
-/// the tolerance either, if it is less.
+/// Replaces the residual of an [`Error::NotConverged`] by that of an earlier round that did not
+/// converge either, if it is less.
 fn not_above(error: Error, least: f64) -> Error {
     match error {
         Error::NotConverged { iterations, residual } => {
@@ -224,7 +224,49 @@ fn not_above(error: Error, least: f64) -> Error {
     }
 }
 
-/// Returns the error about a W with eigenvalues below `-s`, the shift without a request for one.
+/// Size of the negative values that count as zero, in units of s, whatever the tolerance is: solves
+/// are rounded.
+const NEGLIGIBLE: f64 = 1e-12;
+
+/// Roundings of the entries of a semi-definite W, in units of epsilon, by which eigenvalues may be
+/// negative: those of W itself and of its factor, with a wide margin.
+const ENTRY_ROUNDINGS: f64 = 1e3;
+
+/// Replaces the negative values of ascending pairs of a semi-definite W by zeros, if the tolerance
+/// or rounding explains them, and their residuals by those of the result.
+///
+/// # Errors
+/// [`not_semi_definite`] where a value is farther below zero; else those of the pencil.
+pub(crate) fn without_negative(
+    pencil: &dyn Pencil,
+    pairs: &mut Eigenpairs,
+    scale: f64,
+    options: &EigenOptions<'_>,
+) -> Result<()> {
+    let count = pairs.values.partition_point(|value| *value < 0.0);
+    if count == 0 {
+        return Ok(());
+    }
+    for j in 0..count {
+        let tolerance = options.tolerance.max(pairs.residuals[j]).max(NEGLIGIBLE);
+        let negligible = tolerance * scale;
+        if pairs.values[j] >= -negligible {
+            continue;
+        }
+        // A change of each entry of W by `e |W_ij|` changes the value by `e |phi|^T |W| |phi|`.
+        let size = magnitudes(pencil, pairs.vectors.as_ref().subcols(j, 1))?.dot;
+        if pairs.values[j] < -negligible.max(ENTRY_ROUNDINGS * f64::EPSILON * size) {
+            return Err(not_semi_definite());
+        }
+    }
+    pairs.values[..count].fill(0.0);
+    let (zeros, vectors) = (&pairs.values[..count], pairs.vectors.as_ref().subcols(0, count));
+    let found = certify(pencil, zeros, vectors, scale, ROUNDINGS, options)?;
+    pairs.residuals[..count].copy_from_slice(&found.residuals);
+    Ok(())
+}
+
+/// Returns the error about a W with negative eigenvalues without a request for a shift.
 pub(crate) fn not_semi_definite() -> Error {
     let why = "not positive semi-definite, which needs a shift".into();
     Error::Argument { what: "stiffness", why }

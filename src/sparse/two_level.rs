@@ -8,7 +8,7 @@ use super::certificate::{ROUNDINGS, certify};
 use super::eigenpairs::{Eigenpairs, ascending};
 use super::eigs::{check, eigs};
 use super::options::EigenOptions;
-use super::problem::scale;
+use super::problem::{scale, without_negative};
 use super::product::multiply_symmetric_or_rows;
 use super::space::{Pencil, WholePencil};
 use crate::base::{Error, Par, Result};
@@ -120,8 +120,10 @@ fn find(
     let (pencil, found) = (WholePencil { stiffness, mass }, vectors.as_ref().subcols(0, k));
     let scale = scale(stiffness, mass);
     let certificate = certify(&pencil, &values[..k], found, scale, ROUNDINGS, options)?;
+    let mut pairs = ascending(&values[..k], found, &certificate.residuals, small.solves, par)?;
+    without_negative(&pencil, &mut pairs, scale, options)?;
     progress.report(1.0)?;
-    ascending(&values[..k], found, &certificate.residuals, small.solves, true, par)
+    Ok(pairs)
 }
 
 /// Rejects options that have no meaning for two levels.

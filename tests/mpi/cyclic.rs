@@ -38,6 +38,14 @@ pub const SCENES: &[Scene] = &[
         printed: &["0: grid: 2 x 2 needs more than the 2 ranks there are", "1: grid: 2 x 2"],
         succeeds: true,
     },
+    Scene {
+        name: "a_part_of_a_transposed_matrix_is_named_in_the_shape_that_was_given",
+        ranks: 1,
+        starved: None,
+        play: another_part,
+        printed: &["0: this rank's part of A: expected 7 x 9, got 9 x 7"],
+        succeeds: true,
+    },
 ];
 
 /// What C holds at first: symmetric.
@@ -222,6 +230,24 @@ fn tell(world: &World, grid: Grid, block_of_c: usize) {
 fn another_block(world: &World) {
     let block = if world.rank() == 1 { 3 } else { 2 };
     tell(world, Grid::new(1, 3, GridOrder::Rows).unwrap(), block);
+}
+
+/// A is 7 x 9, and its part is 9 x 7.
+fn another_part(world: &World) {
+    let grid = Grid::new(1, 1, GridOrder::Rows).unwrap();
+    let a = BlockCyclic::new("A", (7, 9), (2, 2), (0, 0), grid).unwrap();
+    let c = BlockCyclic::new("C", (7, 7), (2, 2), (0, 0), grid).unwrap();
+    let (a_entries, mut c_entries) = (Mat::zeros(9, 7), local(world, &c, old));
+    let error = aat_cyclic(
+        world,
+        1.0,
+        CyclicRef { matrix: a, entries: a_entries.as_ref() },
+        0.0,
+        CyclicMut { matrix: c, entries: c_entries.as_mut() },
+        &options(),
+    )
+    .unwrap_err();
+    println!("{}: {error}", world.rank());
 }
 
 fn large_grid(world: &World) {

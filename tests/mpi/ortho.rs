@@ -38,6 +38,18 @@ pub const SCENES: &[Scene] = &[
         succeeds: true,
     },
     Scene {
+        name: "a_mass_that_is_not_positive_is_named_by_its_row_of_all_ranks",
+        ranks: 3,
+        starved: None,
+        play: negative,
+        printed: &[
+            "0: rank 1: mass: must be positive, but entry 8 is -1e0",
+            "1: mass: must be positive, but entry 8 is -1e0",
+            "2: rank 1: mass: must be positive, but entry 8 is -1e0",
+        ],
+        succeeds: true,
+    },
+    Scene {
         name: "gram_schmidt_that_one_rank_cancels_ends_on_every_rank",
         ranks: 2,
         starved: None,
@@ -210,6 +222,16 @@ fn asymmetric(world: &World) {
     let a = Mat::from_fn(6, 2, |i, j| (i + j) as f64);
     let options = GramSchmidtOptions::single_pass();
     let mass = Mass::Full(matrix);
+    tell(world, gram_schmidt(world, a.as_ref(), &mass, &options).unwrap_err());
+}
+
+/// Entry 2 of the masses of rank 1 is negative.
+fn negative(world: &World) {
+    let own = own_rows(world);
+    let mass = |i: usize| if i == 8 { -1.0 } else { 1.0 };
+    let mass = Mass::Lumped(own.map(mass).collect());
+    let a = Mat::from_fn(6, 2, |i, j| (i + j) as f64);
+    let options = GramSchmidtOptions::single_pass();
     tell(world, gram_schmidt(world, a.as_ref(), &mass, &options).unwrap_err());
 }
 

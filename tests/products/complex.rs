@@ -639,6 +639,24 @@ fn progress_never_decreases_and_cancelling_leaves_c_alone() {
 }
 
 #[test]
+fn cancelling_leaves_c_alone_where_it_is_only_scaled() {
+    let (one, two, zero) = (complex(1.0, 0.0), complex(2.0, 0.0), complex(0.0, 0.0));
+    let stop = |_: f64| ControlFlow::Break(());
+    let (options, stopped) = (AtaOptions::new(), AtaOptions::new().progress(&stop));
+    for (m, alpha) in [(0, 1.0), (4, 0.0)] {
+        let a = zeros::<f64>(m, 3);
+        let mut c = Mat::<c64>::full(3, 3, one);
+        let hermitian = aha_into(alpha, a.as_ref(), 2.0, c.as_mut(), &stopped);
+        let alpha = complex(alpha, 0.0);
+        let general = ahb_into(alpha, a.as_ref(), a.as_ref(), two, c.as_mut(), &stopped);
+        assert_eq!((hermitian, general), (Err(Error::Cancelled), Err(Error::Cancelled)));
+        assert_eq!(c, Mat::full(3, 3, one));
+        ahb_into(alpha, a.as_ref(), a.as_ref(), zero, c.as_mut(), &options).unwrap();
+        assert_eq!(c, zeros::<f64>(3, 3));
+    }
+}
+
+#[test]
 fn plans_give_transposed_and_conjugated_products_in_blocks_that_memory_allows() {
     let (m, n, k) = (701, 5, 3);
     let (a, b) = (integers::<f64>(m, n, 41), integers::<f64>(m, k, 42));

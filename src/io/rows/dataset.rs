@@ -287,13 +287,14 @@ impl DatasetRows {
                 let mut out = out.rb_mut().submatrix_mut(i, j, height, width);
                 for (i, entries) in values.chunks_exact(width).take(height).enumerate() {
                     for (j, &stored) in entries.iter().enumerate() {
-                        if stored.is_rounded() {
+                        let value = stored.number();
+                        let meant = if as_stored { value } else { self.packing.value(value) };
+                        // A missing entry has no value that was rounded.
+                        if stored.is_rounded() && !meant.is_nan() {
                             let place = (row + i, column + j);
                             let place = if self.transposed { (place.1, place.0) } else { place };
                             rounded.add(place.0, place.1);
                         }
-                        let value = stored.number();
-                        let meant = if as_stored { value } else { self.packing.value(value) };
                         out[(i, j)] = T::from_f64(meant);
                     }
                 }

@@ -109,7 +109,7 @@ impl TableOptions {
     pub(super) fn check(&self) -> Result<()> {
         let refuse = |what, why: &str| Err(Error::Argument { what, why: why.into() });
         if let Some(Separator::Char(c)) = self.separator
-            && (!c.is_ascii() || c.is_ascii_alphanumeric() || "\"\n\r+-".contains(c))
+            && (!c.is_ascii() || c.is_ascii_alphanumeric() || "\"\n\r+-.".contains(c))
         {
             return refuse("separator", "must be an ASCII character that is in no number");
         }

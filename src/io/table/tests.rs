@@ -747,6 +747,7 @@ fn options_out_of_their_range_are_named() {
         (TableOptions::new().thousands('_'), "thousands"),
         (TableOptions::new().decimal(',').thousands(','), "thousands"),
         (TableOptions::new().separator(Separator::Char('e')), "separator"),
+        (TableOptions::new().separator(Separator::Char('.')), "separator"),
         (TableOptions::new().comment('\u{a7}'), "comment"),
         (TableOptions::new().encoding("latin-99".to_owned()), "encoding"),
     ] {

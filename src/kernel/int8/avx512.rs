@@ -331,7 +331,8 @@ enabled! {
     fn store_line(out: &mut Residues, r: usize, bytes: __m512i, far: bool) {
         let line = &mut out.as_chunks_mut::<64>().0[r];
         let at = line.as_mut_ptr().cast::<__m512i>();
-        // SAFETY: 64 bytes; a store past the caches must be aligned.
+        // SAFETY: `line` has the 64 bytes that are written. The store past the caches, which needs
+        // alignment, is reached with it only; the other one takes any.
         unsafe {
             if far && at.is_aligned() {
                 _mm512_stream_si512(at, bytes);

@@ -110,8 +110,10 @@ pub fn aha_planned<T: BlasReal>(
         return Ok(());
     }
     if m == 0 || alpha == T::ZERO {
+        // Before C is written, as with products.
+        options.progress.report(1.0)?;
         options.on_cores(|| write_hermitian(c, |_, _| None, beta, options.uplo, options.par));
-        return options.progress.report(1.0);
+        return Ok(());
     }
     let difference = plan.terms[1].op == Op::Gemm;
     let sign = if plan.conjugated { -T::ONE } else { T::ONE };
@@ -194,8 +196,9 @@ pub fn ahb_planned<T: BlasReal>(
         return Ok(());
     }
     if m == 0 || alpha == (Complex { re: T::ZERO, im: T::ZERO }) {
+        options.progress.report(1.0)?;
         options.on_cores(|| write_general(c, |_, _| None, beta, options.par));
-        return options.progress.report(1.0);
+        return Ok(());
     }
     let sign = if plan.conjugated { -T::ONE } else { T::ONE };
     with_sums(plan, a, Some(b), by_rows(c.rb()), options, |Sums { re, im }| {

@@ -143,9 +143,12 @@ fn product<T: MpiReal>(
 ) -> Result<()> {
     let _guard = world.abort_on_panic();
     let given = a.matrix;
+    // Errors name A as it was given.
+    let n = if transposed { given.shape().0 } else { given.shape().1 };
+    let checked = check(world, a, n, &c);
     let a = if transposed { a.transpose() } else { a };
-    let prepared = check(world, a, &c)
-        .and_then(|()| Collection::new(Parts::new(a.matrix, world.size()), world));
+    let prepared =
+        checked.and_then(|()| Collection::new(Parts::new(a.matrix, world.size()), world));
     let collection = begin(world, given, transposed, alpha, beta, &c, options.uplo, prepared)?;
     let (cut, bricks) = (collection.parts.cut(), collection.parts.bricks().clone());
     let (entries, (height, width)) = collection.collect(world, a.entries);
@@ -159,9 +162,8 @@ fn product<T: MpiReal>(
     deliver(world, &result, beta, c, options.uplo)
 }
 
-/// Checks what this rank can check alone.
-fn check<T>(world: &World, a: CyclicRef<'_, T>, c: &CyclicMut<'_, T>) -> Result<()> {
-    let n = a.matrix.shape().1;
+/// Checks what this rank can check alone; C must be n x n.
+fn check<T>(world: &World, a: CyclicRef<'_, T>, n: usize, c: &CyclicMut<'_, T>) -> Result<()> {
     Error::check_shape("C", (n, n), c.matrix.shape())?;
     for grid in [a.matrix.grid(), c.matrix.grid()] {
         if grid.size() > world.size() {

@@ -43,7 +43,8 @@ use crate::solve::{
 ///
 /// # Errors
 /// [`Error::Rank`] when n, k or the options other than threads differ, only some ranks have
-/// weights, or another rank failed or cancelled; else as [`solve::lstsq`](crate::solve::lstsq()).
+/// weights, or another rank failed or cancelled; else as [`solve::lstsq`](crate::solve::lstsq()),
+/// rows of A and B counted from the first own one.
 pub fn lstsq(
     world: &World,
     a: MatRef<'_, f64>,

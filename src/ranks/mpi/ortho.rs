@@ -99,7 +99,7 @@ pub fn gram_schmidt_in_place(
 
 /// Computes [`ortho::cholesky_qr`](crate::ortho::cholesky_qr()) of a matrix and an inner product
 /// that are distributed as for [`gram_schmidt`]: the rows of A of a rank become those of Q, and
-/// every rank gets R. For each of the two to five passes, a rank sends and receives the packed
+/// every rank gets R. For each of the two to six passes, a rank sends and receives the packed
 /// triangle of a c x c matrix at most twice; and once nine numbers for each column, the order of
 /// magnitude of its largest entry.
 ///
@@ -120,7 +120,7 @@ pub fn gram_schmidt_in_place(
 ///
 /// # Errors
 /// [`Error::Rank`](crate::Error::Rank) when arguments differ, or another rank failed; else as
-/// [`ortho::cholesky_qr`](crate::ortho::cholesky_qr()).
+/// [`ortho::cholesky_qr`](crate::ortho::cholesky_qr()), rows of A counted from the first own one.
 pub fn cholesky_qr(world: &World, a: MatMut<'_, f64>, mass: &Mass, par: Par) -> Result<Mat<f64>> {
     watched_cholesky_qr(world, a, mass, par, Progress::none())
 }

@@ -197,11 +197,12 @@ pub(super) fn check_mass_shape(mass: &Mass, rows: &Rows) -> Result<()> {
     }
 }
 
-/// Checks a distributed mass as [`Mass::check`] does.
+/// Checks a distributed mass as [`Mass::check`] does; the rows that errors name are those of all
+/// ranks.
 pub(super) fn check_mass(call: &Call<'_>, rows: &Rows, mass: &Mass) -> Result<()> {
     call.meet(check_mass_shape(mass, rows))?;
     let matrix = match mass {
-        Mass::Lumped(masses) => return mass.check(masses.len()),
+        Mass::Lumped(masses) => return check_lumped(rows, mass, masses),
         Mass::Full(matrix) => matrix,
     };
     let own = rows.own();
@@ -225,7 +226,14 @@ pub(super) fn check_pencil(
     mass: &Mass,
 ) -> Result<()> {
     check_symmetric(call, rows, "stiffness", stiffness)?;
-    let Mass::Lumped(masses) = mass else { return check_mass(call, rows, mass) };
+    match mass {
+        Mass::Lumped(masses) => check_lumped(rows, mass, masses),
+        Mass::Full(_) => check_mass(call, rows, mass),
+    }
+}
+
+/// Checks the lumped masses of this rank; the row that an error names is that of all ranks.
+fn check_lumped(rows: &Rows, mass: &Mass, masses: &[f64]) -> Result<()> {
     let first = rows.own().start;
     match mass.check(masses.len()) {
         Err(Error::NonFinite { what, index: (i, j) }) => {

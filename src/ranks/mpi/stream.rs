@@ -119,7 +119,8 @@ pub(super) fn joined_bounds_of_columns<T: MpiReal>(
 /// ```
 ///
 /// # Errors
-/// [`Error::Rank`] when the columns or the centring differ, or another rank failed; else as
+/// [`Error::Rank`] when the columns or the centring differ, or another rank failed;
+/// [`Error::Argument`] for labels that are too long for [`Accumulator::write`]; else as
 /// [`Accumulator::merge`].
 pub fn merge_accumulators<T: MpiReal>(
     world: &World,
@@ -132,7 +133,11 @@ pub fn merge_accumulators<T: MpiReal>(
         fact("the kind of sums", usize::from(sum.is_exact()) + usize::from(sum.is_extended())),
         scalar_fact::<T>(),
     ];
-    world.begin(Operation::Merge, &facts, Ok(()))?;
+    let head = sum.head().map_err(|e| {
+        let why = e.to_string();
+        Error::Argument { what: "accumulator", why }
+    });
+    world.begin(Operation::Merge, &facts, head.map(drop))?;
     let (rank, size) = (world.rank(), world.size());
     let mut done = Ok(());
     let mut step = 1;
@@ -152,7 +157,9 @@ pub fn merge_accumulators<T: MpiReal>(
     }
     if rank > 0 {
         let mut stream = Outgoing::new(world, rank - step);
-        let sent = sum.write(&mut stream).and_then(|()| stream.end::<T>());
+        let written = sum.write(&mut stream);
+        // The other rank waits for the end, whatever was written.
+        let sent = written.and(stream.end::<T>());
         done = done.and(sent.map_err(|e| Error::Rank { rank, why: e.to_string() }));
     }
     world.agree(done)?;

@@ -217,8 +217,8 @@ impl World {
         self.work_time.take()
     }
 
-    /// Sets the number of entries above which a message is cut; default 2^30. All ranks must set
-    /// the same number.
+    /// Sets the number of entries above which a message is cut, from 1 to 2^30 (the default); other
+    /// numbers become the nearest of these. All ranks must set the same number.
     pub fn set_longest_message(&self, entries: usize) {
         self.longest.set(entries.clamp(1, LONGEST));
     }

@@ -46,8 +46,7 @@ pub(super) fn dissected(graph: &Graph) -> Result<Option<Lists>> {
 
 /// Returns the part of each vertex, of `2^depth`. Bits of its number, from the highest one, are the
 /// halves that it is in. A half has at most `1 + slack` times half of the weight. `None` where
-/// graphs do not become coarse enough, for too few of their vertices have neighbours that are left
-/// for them.
+/// graphs do not become coarse enough, because too few of their vertices find a partner.
 pub(super) fn parts(graph: Weighted, depth: u32, slack: f64) -> Result<Option<Vec<u32>>> {
     let mut rng = Rng::new(1);
     let mut levels = Vec::new();
@@ -89,8 +88,8 @@ fn height(part: u32, other: u32) -> u32 {
     u32::BITS - (part ^ other).leading_zeros()
 }
 
-/// Moves vertices at the borders of parts to other parts, where that leaves fewer edges between
-/// parts, or larger separators would be the result otherwise.
+/// Moves vertices at the borders of parts to other parts where the edges between parts, each times
+/// its [`height`], then weigh less, or as much while the parts become more even.
 fn refine(graph: &Weighted, part: &mut [u32], depth: u32, slack: f64) -> Result<()> {
     let n = graph.graph.n();
     let mut weights = repeated(0u64, 1 << depth)?;

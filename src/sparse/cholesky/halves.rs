@@ -182,8 +182,8 @@ impl<'g> Border<'g> {
         })
     }
 
-    /// Moves vertices, each at most once and that with the largest gain first, and takes the last
-    /// moves back that did not make the cut smaller.
+    /// Moves vertices, each at most once and that with the largest gain first, and then takes
+    /// back the moves made after the cut was smallest.
     fn pass(&mut self, pass: u32) -> Result<()> {
         self.by_gain.clear();
         let mut looks = Looks::default();

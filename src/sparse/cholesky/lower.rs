@@ -36,8 +36,8 @@ impl Lower {
         }
     }
 
-    /// Computes [`Lower::new`] where the lines of the matrix have the columns of the lower triangle
-    /// as their ends.
+    /// Computes [`Lower::new`] where a line of the matrix ends with a column of the lower triangle,
+    /// from the diagonal on.
     fn of_columns<T: Copy>(a: CsMatView<'_, T>, triangle: Triangle) -> Result<Self> {
         let n = a.rows();
         let after = |j: usize, indices: &[usize]| indices.partition_point(|&i| i <= j);
@@ -57,8 +57,8 @@ impl Lower {
         Ok(Self { triangle, starts, rows })
     }
 
-    /// Computes [`Lower::new`] where the lines of the matrix have the rows of the lower triangle as
-    /// their begins.
+    /// Computes [`Lower::new`] where a line of the matrix begins with a row of the lower triangle,
+    /// up to the diagonal.
     fn of_rows<T: Copy>(a: CsMatView<'_, T>, triangle: Triangle) -> Result<Self> {
         let n = a.rows();
         let mut starts = repeated(1usize, n + 1)?;

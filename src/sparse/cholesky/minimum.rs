@@ -393,7 +393,7 @@ impl Quotient {
         true
     }
 
-    /// Moves all lists to the begin of their memory, and makes room for `more` items.
+    /// Moves all lists to the start of their memory, and makes room for `more` items.
     fn compact(&mut self, more: usize) -> Result<()> {
         for v in 0..self.n {
             if self.is_listed(v) {
