@@ -1,4 +1,4 @@
-//! The options of the command line in place of the arguments of the library that errors name.
+//! Names the options of the command line in errors of the library, which name its arguments.
 
 use std::collections::BTreeMap;
 use std::sync::OnceLock;

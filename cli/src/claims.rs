@@ -102,6 +102,19 @@ pub fn refuse_input(path: &Path) -> Result<()> {
     Ok(())
 }
 
+/// Refuses an output in the place of a result that is claimed already.
+///
+/// # Errors
+/// Another result is written there.
+pub fn refuse_result(path: &Path) -> Result<()> {
+    let Some(place) = Place::of(path) else { return Ok(()) };
+    let used = USED.lock().unwrap_or_else(PoisonError::into_inner);
+    if used.iter().any(|other| other.purpose == Purpose::Result && other.place.is_same(&place)) {
+        bail!("{}: two results have this name", path.display());
+    }
+    Ok(())
+}
+
 /// Notes what an output is for.
 ///
 /// # Errors
@@ -110,17 +123,13 @@ pub fn refuse_input(path: &Path) -> Result<()> {
 pub fn claim(path: &Path, purpose: Purpose) -> Result<()> {
     if purpose == Purpose::Result {
         refuse_input(path)?;
+        refuse_result(path)?;
     }
     let Some(place) = Place::of(path) else { return Ok(()) };
     let mut used = USED.lock().unwrap_or_else(PoisonError::into_inner);
-    for other in used.iter().filter(|other| other.place.is_same(&place)) {
+    if used.iter().any(|other| other.purpose != purpose && other.place.is_same(&place)) {
         let name = path.display();
-        if other.purpose == Purpose::Result && purpose == Purpose::Result {
-            bail!("{name}: two results have this name");
-        }
-        if other.purpose != purpose {
-            bail!("{name}: --checkpoint names a file that is also an input or a result");
-        }
+        bail!("{name}: --checkpoint names a file that is also an input or a result");
     }
     used.push(Used { place, purpose });
     Ok(())

@@ -459,6 +459,18 @@ fn report_locked(locked: &[u32], found: &Decimation) -> Result<()> {
     )
 }
 
+/// Returns the option that sets the size of the results.
+fn size_option(args: &Args) -> &'static str {
+    match (args.ratio, args.faces, args.edge_length, args.error) {
+        (Some(_), ..) => "--ratio",
+        (_, Some(_), ..) => "--faces",
+        (_, _, Some(_), _) => "--edge-length",
+        (.., Some(_)) => "--error",
+        _ if !args.levels.is_empty() => "--levels",
+        _ => "-n",
+    }
+}
+
 /// Names the option that set the number of vertices, where an error of the library is about it.
 fn refused(error: catamaran::Error, args: &Args) -> anyhow::Error {
     let option = match (args.ratio, args.faces, args.edge_length) {
@@ -554,7 +566,10 @@ fn report_result(args: &Args, input: &MeshFile, level: &Level, par: Par) -> Resu
     };
     if intersecting > before {
         let more = intersecting - before;
-        note(format_args!("{more} more faces intersect others than in the input: try another -n"));
+        let option = size_option(args);
+        note(format_args!(
+            "{more} more faces intersect others than in the input: try another value of {option}"
+        ));
     }
     if !args.report && args.error.is_none() {
         return Ok(());

@@ -14,7 +14,7 @@ use crate::common::Force;
 use crate::parse;
 use crate::progress::Bar;
 use crate::report::{note, status};
-use crate::rows::{COLUMNS, ROWS};
+use crate::rows::{COLUMNS, ROWS, WEIGHTS, WITHOUT_WEIGHTS};
 
 /// Compute C = A^T A from the sums of parts of the rows (`ata --accumulator`).
 ///
@@ -91,7 +91,14 @@ fn merge<T: BlasReal>(args: &Args) -> Result<()> {
         }
     }
     drop(bar);
-    let Some(sum) = sum else { bail!("no sums to merge") };
+    let Some(mut sum) = sum else { bail!("no sums to merge") };
+    let is_weighted = seen.iter().any(|(_, labels)| has_weights(labels));
+    if is_weighted && !has_weights(sum.labels()) {
+        // Merged sums keep only the labels that their parts share, and another merge needs this.
+        let mut labels = sum.labels().to_vec();
+        labels.push((WEIGHTS.to_owned(), "several".to_owned()));
+        sum.set_labels(labels);
+    }
     let (rows, n) = (sum.rows(), sum.ncols());
     let centring = if sum.is_centered() { "about the mean" } else { "not centred" };
     let files = args.inputs.len();
@@ -108,7 +115,8 @@ fn merge<T: BlasReal>(args: &Args) -> Result<()> {
         T::NAME
     )?;
     let alpha = if args.covariance {
-        if !sum.is_centered() || sum.weight() != rows as f64 {
+        // Sums of other programs have no labels.
+        if !sum.is_centered() || is_weighted || sum.weight() != rows as f64 {
             bail!("--covariance needs centred sums without weights (ata --center)");
         }
         if rows < 2 {
@@ -152,6 +160,11 @@ fn has_rows(labels: &[(String, String)]) -> bool {
         labels.iter().any(|(name, value)| name == wanted && !value.starts_with("/dev/stdin, "))
     };
     has("A") && has(ROWS)
+}
+
+/// Returns whether labels say that rows have weights.
+fn has_weights(labels: &[(String, String)]) -> bool {
+    labels.iter().any(|(name, value)| name == WEIGHTS && value != WITHOUT_WEIGHTS)
 }
 
 /// Reads the sums in a file, and refuses sums that are not complete.

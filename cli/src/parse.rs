@@ -176,12 +176,13 @@ fn number(text: &str, fits: impl Fn(f64) -> bool, expected: &str) -> Result<f64,
     number.ok_or_else(|| format!("expected {expected}"))
 }
 
-/// Parses a number of frames: each may be a file, of which a folder should not hold more.
+/// Parses a number of frames, at least 1: each may be a file, of which a folder should not hold
+/// more.
 pub fn frame_count(text: &str) -> Result<usize, String> {
     const MOST: usize = 100_000;
     match text.parse() {
-        Ok(count) if count <= MOST => Ok(count),
-        _ => Err(format!("expected a whole number from 0 to {MOST}")),
+        Ok(count) if (1..=MOST).contains(&count) => Ok(count),
+        _ => Err(format!("expected a whole number from 1 to {MOST}")),
     }
 }
 

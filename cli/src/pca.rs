@@ -96,6 +96,16 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     let table = args.gram.complete(ranks, table)?;
     let pass = Pass::new(&args.gram, ranks, &table, args.weights.as_deref(), true)?;
     let Some(gram) = pass.gram()? else { return pass.end() };
+    if gram.weight() <= 1.0 {
+        match &args.weights {
+            Some(weights) => bail!(
+                "{}: the --weights add up to {}, but a variance needs more than 1",
+                weights.display(),
+                gram.weight()
+            ),
+            None => bail!("{}: one row, but a variance needs two", name()),
+        }
+    }
     let components = match (args.k, args.variance) {
         (Some(count), _) => Components::Count(count),
         (None, Some(share)) => Components::Share(share),

@@ -5,7 +5,7 @@ use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use catamaran::Par;
 use catamaran::base::block_rows;
 use catamaran::faer::{Mat, MatRef};
@@ -19,7 +19,7 @@ use crate::claims::{Purpose, claim};
 use crate::common::Force;
 use crate::gram::{SHOWN, Table, survey};
 use crate::progress::Bar;
-use crate::report::{head, note, row, shown, status};
+use crate::report::{head, message, note, row, shown, status};
 use crate::rows::{Source, open};
 use crate::tables::{MatrixFile, TableArgs};
 use crate::{output, parse};
@@ -117,7 +117,7 @@ pub fn run(args: &Args) -> Result<()> {
     model.note_dependent(&args.model);
     let missing = args.reading.missing();
     let needed = model.needs(args.reading.read_all_rows());
-    let table = Table::of(open("table", &args.table, &needed)?);
+    let table = Table::of(open("table", &args.table, &needed).map_err(without_column)?);
     let name = || args.table.display().to_string();
     let mut design = model.design(table.a()).with_context(name)?;
     if missing == Missing::Drop {
@@ -162,7 +162,8 @@ pub fn run(args: &Args) -> Result<()> {
     for first in (0..m).step_by(height) {
         bar.step(first as f64 / m as f64)?;
         let mut block = Mat::zeros(height.min(m - first), n);
-        rows.read(first, block.as_mut()).with_context(name)?;
+        let read = rows.read(first, block.as_mut());
+        read.map_err(|error| model.without_level(error)).with_context(name)?;
         let found = Predictions::of(&linear, block.as_ref(), args)?;
         sink.add(first, &found)?;
     }
@@ -216,11 +217,26 @@ impl Model {
             let factor = Factor::in_order(&term.column, term.levels.clone())?;
             let factor = match table.levels(j) {
                 [] => factor.for_numbers()?,
-                words => factor.for_codes(words)?,
+                words => factor.for_codes(words).map_err(|error| self.without_level(error))?,
             };
             Ok(DesignColumn::Indicators(j, factor))
         };
         Ok(Design::new(self.terms.iter().enumerate().map(column).collect::<Result<_>>()?))
+    }
+
+    /// Says of an error about a level of a factor that the fit lacks it, and not the table.
+    fn without_level(&self, error: catamaran::Error) -> anyhow::Error {
+        let said = match &error {
+            catamaran::Error::Argument { what: "factor", why } => {
+                self.terms.iter().find_map(|Term { column, .. }| {
+                    let rest = why.strip_prefix(column.as_str())?;
+                    let is_level = rest.starts_with(" has no level ");
+                    is_level.then(|| anyhow!("column {column}: the fit{rest}"))
+                })
+            }
+            _ => None,
+        };
+        said.unwrap_or_else(|| error.into())
     }
 
     /// Returns the two parts of the coefficients, n x k.
@@ -242,6 +258,14 @@ impl Model {
         let rows = self.root.as_ref()?;
         let n = self.mean.as_ref()?.len();
         Some(Mat::from_fn(rows.len(), n, |i, j| rows[i][j]))
+    }
+}
+
+/// Says of an error about the columns of the fit that the table lacks one.
+fn without_column(error: anyhow::Error) -> anyhow::Error {
+    match message(&error).split_once(": columns: no column ") {
+        Some((path, rest)) => anyhow!("{path}: has no column {rest}"),
+        None => error,
     }
 }
 
@@ -346,7 +370,7 @@ impl Sink<'_> {
         Ok(())
     }
 
-    /// Completes the file of a table with so many rows.
+    /// Completes the output for a table with this number of rows.
     fn end(self, rows: usize) -> Result<()> {
         let most = self.most();
         match self.output {

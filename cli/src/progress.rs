@@ -35,11 +35,11 @@ struct Lines {
     last: Mutex<Last>,
 }
 
-/// The last line, or the begin.
+/// The last line, or the beginning of the work.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 struct Last {
     fraction: f64,
-    /// Time since the begin.
+    /// Time since the beginning.
     time: Duration,
 }
 

@@ -95,7 +95,10 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<()> {
     let writes = [&args.signatures, &args.distances, &args.fit_metric].iter().any(|x| x.is_some());
     if args.nearest == 0 && !writes {
-        bail!("--nearest 0: lists nothing, which is for --signatures and --distances only");
+        bail!(
+            "--nearest 0: lists nothing, which is for --signatures, --distances and --fit-metric \
+             only"
+        );
     }
     if let ([only], None, false) = (&args.inputs[..], &args.query, writes) {
         let name = only.display();
@@ -132,11 +135,13 @@ pub fn run(args: &Args) -> Result<()> {
         if metric.is_some() || fit.is_some() {
             let (expected, of) = *zeros.get_or_insert((pieces.free(), *name));
             if pieces.free() != expected {
+                let are = match pieces.free() {
+                    1 => "1 eigenvalue is".to_owned(),
+                    count => format!("{count} eigenvalues are"),
+                };
                 bail!(
-                    "{}: has {} eigenvalues zero, {} has {expected}: a metric compares shapes with \
-                     as many",
+                    "{}: {are} zero, {} has {expected}: a metric compares shapes with as many",
                     name.display(),
-                    pieces.free(),
                     of.display()
                 );
             }
@@ -201,7 +206,8 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// Fits a metric to signatures with so many zeros, of shapes with these numbers.
+/// Fits a metric to signatures that begin with this number of zeros; `identities` has the number
+/// of the shape of each.
 fn fitted(
     signatures: &[Vec<f64>],
     identities: &[usize],

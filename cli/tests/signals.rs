@@ -127,7 +127,7 @@ fn with_pipe() -> Folder {
     folder
 }
 
-/// Sends SIGTERM a moment after the begin.
+/// Sends SIGTERM a moment after the start.
 fn ends_amid_its_work(folder: Folder, arguments: &str) -> Run {
     let mut run = Run::start(folder, arguments);
     std::thread::sleep(Duration::from_millis(150));
@@ -229,7 +229,7 @@ fn simulations_end_and_slime_keeps_its_state() {
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
                       f 1/1 2/2 3/3\nf 1/1 3/3 4/4\n";
 
-// `unions train` is in tests/unions.rs, which has a data set.
+// `unions train` is in commands/unions.rs, which has a data set.
 #[test]
 fn the_data_set_of_unions_ends() {
     ends_amid_its_work(Folder::new(), "unions dataset -o data.npz");
@@ -268,7 +268,7 @@ fn the_second_signal_ends_at_once() {
         let in_time = start.elapsed() < Duration::from_millis(200);
         let status = run.end().code();
         if in_time {
-            // Else it were the status of the first one, after the time that it leaves.
+            // Otherwise the process would end later, with the status of the first signal.
             assert_eq!(status, Some(143));
             return;
         }

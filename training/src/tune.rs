@@ -40,9 +40,7 @@ impl Default for TuneOptions {
 /// does not depend on the number of threads.
 ///
 /// # Errors
-/// Those of [`PartSpectra::new`] and [`catamaran_geometry::mesh::HeatMethod`] for a mesh;
-/// [`Error::Argument`] for fewer than two meshes, and when no pair could be cut;
-/// [`Error::Cancelled`].
+/// Those of [`family_pairs`] and [`divide_pairs`]; [`Error::Cancelled`].
 pub fn family_examples(
     meshes: &[TriMesh],
     base: &SpectralUnion,
@@ -50,24 +48,50 @@ pub fn family_examples(
     par: Par,
     progress: Progress<'_>,
 ) -> Result<Examples> {
-    if meshes.len() < 2 {
-        let why = format!("must be at least 2, one of them for validation, is {}", meshes.len());
+    let pairs = meshes.iter().enumerate().map(|(number, mesh)| {
+        progress.report(number as f64 / meshes.len() as f64)?;
+        family_pairs(mesh, number, options, par)
+    });
+    divide_pairs(pairs.collect::<Result<_>>()?, base, options)
+}
+
+/// Divides the pairs of each mesh of a family, those of [`family_pairs`], into those of the
+/// training and those of the validation.
+///
+/// # Errors
+/// [`Error::Argument`] for fewer than two meshes, and when there are no pairs for the training, or
+/// none for the validation.
+pub fn divide_pairs(
+    pairs: Vec<Vec<Pair>>,
+    base: &SpectralUnion,
+    options: &TuneOptions,
+) -> Result<Examples> {
+    if pairs.len() < 2 {
+        let why = format!("must be at least 2, one of them for validation, is {}", pairs.len());
         return Err(Error::Argument { what: "meshes", why });
     }
     let (mut training, mut validation) = (Vec::new(), Vec::new());
-    let aside = options.aside.clamp(2, meshes.len());
-    for (number, mesh) in meshes.iter().enumerate() {
-        progress.report(number as f64 / meshes.len() as f64)?;
-        let seed = mixed(&[options.seed, number as u64, 0x7E4E]);
-        let pairs = pairs_of_mesh(mesh, options.pairs, seed, par)?;
+    let aside = options.aside.clamp(2, pairs.len());
+    for (number, pairs) in pairs.into_iter().enumerate() {
         let of = if (number + 1) % aside == 0 { &mut validation } else { &mut training };
         of.extend(pairs);
     }
     Examples::of_family(training, validation, base.localizer().clone())
 }
 
-/// Cuts pairs of parts out of a mesh.
-fn pairs_of_mesh(mesh: &TriMesh, count: usize, seed: u64, par: Par) -> Result<Vec<Pair>> {
+/// Cuts pairs of parts out of the mesh with this number in its family, from 0, and computes the
+/// spectra of the parts and of their unions. There may be no pairs. The result does not depend on
+/// the number of threads.
+///
+/// # Errors
+/// Those of [`PartSpectra::new`] and [`catamaran_geometry::mesh::HeatMethod`].
+pub fn family_pairs(
+    mesh: &TriMesh,
+    number: usize,
+    options: &TuneOptions,
+    par: Par,
+) -> Result<Vec<Pair>> {
+    let (count, seed) = (options.pairs, mixed(&[options.seed, number as u64, 0x7E4E]));
     let options = CutOptions {
         regions: count.div_ceil(3),
         pairs: count.div_ceil(2),
@@ -144,13 +168,9 @@ mod tests {
     #[test]
     fn one_mesh_is_too_few() {
         let base = SpectralUnion::pretrained().unwrap();
-        let refused = family_examples(
-            &quadrupeds(1),
-            &base,
-            &TuneOptions::default(),
-            Par::Seq,
-            Progress::none(),
-        );
-        assert!(refused.unwrap_err().to_string().starts_with("meshes"));
+        let refused = divide_pairs(vec![vec![]], &base, &TuneOptions::default());
+        assert!(refused.unwrap_err().to_string().starts_with("meshes: must be at least 2"));
+        let refused = divide_pairs(vec![vec![]; 2], &base, &TuneOptions::default());
+        assert!(refused.unwrap_err().to_string().starts_with("meshes: too few pairs"));
     }
 }

@@ -28,8 +28,8 @@ use crate::progress::{self, Bar};
 use crate::ranks::{Ranks, Scalar};
 use crate::report::{report, seconds, status};
 use crate::rows::{
-    Begun, COLUMNS, CheckpointArgs, Part, RowList, Shown, Source, Watched, add_rows,
-    check_same_weights, fingerprint, labels_with_rows, open, read_weights,
+    Begun, COLUMNS, CheckpointArgs, Part, RowList, Shown, Source, WEIGHTS, WITHOUT_WEIGHTS,
+    Watched, add_rows, check_same_weights, fingerprint, labels_with_rows, open, read_weights,
 };
 use crate::tables::{MatrixArgs, MatrixFile};
 use crate::{backend, picture};
@@ -601,13 +601,14 @@ impl Work<'_> {
     /// the name and the time of the first one's copy.
     fn labels(&self, options: &AtaOptions<'_>) -> Vec<(String, String)> {
         let args = self.args;
-        let weights = self.weights.map_or("none".into(), |w| format!("{:016x}", fingerprint(w)));
+        let fingerprint = |weights| format!("{:016x}", fingerprint(weights));
+        let weights = self.weights.map_or(WITHOUT_WEIGHTS.into(), fingerprint);
         let names = self.a.selected_names().unwrap_or_default().join("\n");
         let names = self.ranks.text_of_first(names);
         let columns = (!names.is_empty()).then_some((COLUMNS, names));
         let labels = [
             ("A", self.ranks.text_of_first(self.a.identity())),
-            ("weights", weights),
+            (WEIGHTS, weights),
             ("centring", if self.centered() { "mean" } else { "none" }.into()),
             ("scheme", parse::scheme_name(args.scheme).into()),
             ("accuracy", format!("{:?}", args.accuracy).to_lowercase()),

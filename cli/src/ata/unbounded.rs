@@ -28,7 +28,7 @@ impl Unbounded {
         found
     }
 
-    /// Counts entries, of each of which it is told whether it is finite.
+    /// Counts entries by one flag for each: whether the entry is finite.
     pub fn among(finite: impl Iterator<Item = bool>) -> Self {
         finite.fold(Self::default(), |found, is_finite| Self {
             count: found.count + usize::from(!is_finite),
@@ -65,7 +65,7 @@ impl Unbounded {
         self.count == 0
     }
 
-    /// Says how many entries there are.
+    /// Returns a text with the number of these entries and that of all entries.
     pub fn text(&self) -> String {
         format!("{} of {} entries of C are not finite", self.count, self.all)
     }

@@ -153,7 +153,9 @@ pub fn run(args: &Args) -> Result<()> {
         seconds(time)
     )?;
     let found: Vec<(&Group, &Reconstruction)> = given.groups.iter().zip(drawing.found()).collect();
-    let Some(outcome) = write::outcome(&found) else { bail!("no curves") };
+    let Some((first, Reconstruction { outcome, .. })) = write::first(&found) else {
+        bail!("no curves")
+    };
     for (group, found) in &found {
         describe(group, found)?;
     }
@@ -166,7 +168,11 @@ pub fn run(args: &Args) -> Result<()> {
         status!("written", path = path; "{path}")?;
     }
     if !outcome.is_complete() {
-        bail!("{}: no complete curve: {outcome}", args.mesh.display());
+        let (file, outcome) = (args.samples.name(), first.outcome(*outcome));
+        match &first.name {
+            Some(name) => bail!("{file}: curve {name}: not complete: {outcome}"),
+            None => bail!("{file}: a curve is not complete: {outcome}"),
+        }
     }
     let mut region = None;
     let mut drawn = None;
@@ -220,7 +226,8 @@ fn draw(
 /// Reports what was found for one group.
 fn describe(group: &Group, found: &Reconstruction) -> Result<()> {
     let name = group.name.as_ref().map_or(String::new(), |name| format!("{name}: "));
-    let (blocked_at, remaining, components) = match found.outcome {
+    let outcome = group.outcome(found.outcome);
+    let (blocked_at, remaining, components) = match outcome {
         Outcome::Blocked { at, remaining } => (Some(at), Some(remaining), None),
         Outcome::Disconnected { components } => (None, None, Some(components)),
         _ => (None, None, None),
@@ -228,12 +235,11 @@ fn describe(group: &Group, found: &Reconstruction) -> Result<()> {
     report!(
         "outcome",
         name = group.name,
-        outcome = found.outcome.name(),
+        outcome = outcome.name(),
         blocked_at = blocked_at,
         remaining = remaining,
         components = components;
-        "{name}{}",
-        found.outcome
+        "{name}{outcome}"
     )?;
     if !found.outliers.is_empty() {
         let numbers: Vec<usize> = group.numbers(&found.outliers).collect();

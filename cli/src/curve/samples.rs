@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use anyhow::{Context, Result, bail};
-use catamaran_geometry::curve::{Side, Site};
+use catamaran_geometry::curve::{Outcome, Side, Site};
 use catamaran_geometry::mesh::SurfacePoint;
 
 /// The samples of one curve, or of curves that are found together.
@@ -26,6 +26,16 @@ impl Group {
     /// Returns the numbers in the file of samples with these indices in the group.
     pub fn numbers(&self, indices: &[u32]) -> impl Iterator<Item = usize> {
         indices.iter().map(|&i| self.samples.start + i as usize)
+    }
+
+    /// Returns an outcome of the group with the number in the file of the sample that it names.
+    pub fn outcome(&self, outcome: Outcome) -> Outcome {
+        match outcome {
+            Outcome::Blocked { at, remaining } => {
+                Outcome::Blocked { at: self.samples.start as u32 + at, remaining }
+            }
+            outcome => outcome,
+        }
     }
 }
 
@@ -115,8 +125,8 @@ fn group(name: &str, options: &[&str], start: usize) -> Result<Group> {
 /// in space.
 pub fn site(words: &[&str]) -> Option<Site> {
     let numbers = |words: &[&str]| -> Option<[f64; 3]> {
-        let all: Vec<f64> = words.iter().filter_map(|word| word.parse().ok()).collect();
-        all.try_into().ok()
+        let all: Option<Vec<f64>> = words.iter().map(|word| word.parse().ok()).collect();
+        all?.try_into().ok()
     };
     match words {
         [vertex] => Some(Site::Vertex(index(vertex)?)),

@@ -32,11 +32,15 @@ impl Format {
 /// The result for each group of samples.
 pub type Found<'a> = [(&'a Group, &'a Reconstruction)];
 
+/// Returns the first group that is not complete, else the first.
+pub fn first<'a>(found: &Found<'a>) -> Option<(&'a Group, &'a Reconstruction)> {
+    let is_incomplete = |(_, found): &&(&Group, &Reconstruction)| !found.outcome.is_complete();
+    found.iter().find(is_incomplete).or(found.first()).copied()
+}
+
 /// Returns the outcome of all groups: the first that is not complete, else the first.
 pub fn outcome(found: &Found<'_>) -> Option<Outcome> {
-    let mut all = found.iter().map(|(_, found)| found.outcome);
-    let first = all.clone().next();
-    all.find(|outcome| !outcome.is_complete()).or(first)
+    first(found).map(|(_, found)| found.outcome)
 }
 
 /// The points of each curve of each group, on the faces of the mesh of the command line.

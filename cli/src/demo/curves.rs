@@ -31,7 +31,7 @@ const AROUND: u32 = 160;
 const TUBE: u32 = 70;
 const INSIDE: Rgb = [245, 174, 64];
 const OUTSIDE: Rgb = [205, 214, 224];
-/// Of the pieces of the mesh that is cut.
+/// Colours of the pieces of the mesh that is cut.
 const PIECES: [Rgb; 4] = [OUTSIDE, [245, 174, 64], [120, 182, 130], [110, 156, 214]];
 /// How far apart pieces are drawn.
 const APART: f64 = 0.12;

@@ -279,7 +279,7 @@ impl Reference {
             x.iter().zip(y).map(|(&x, &y)| i128::from(x) * i128::from(y)).sum()
         };
         let mut columns = vec![Vec::new(); n];
-        // Every so manieth column: the first ones are the longest.
+        // The threads take columns in turn, because the first ones are the longest.
         let threads = available_cores();
         let mut shares: Vec<Vec<_>> = (0..threads).map(|_| Vec::new()).collect();
         for (j, column) in columns.iter_mut().enumerate() {

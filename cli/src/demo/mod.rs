@@ -106,7 +106,7 @@ pub fn run(args: &Args) -> Result<()> {
     status!("written", path = path; "{path}")
 }
 
-/// Returns whether the folder is new, empty, or holds a page of ours.
+/// Returns whether the folder is new, empty, or holds a page that this command has written.
 fn may_write(folder: &Path) -> io::Result<bool> {
     let mut entries = match fs::read_dir(folder) {
         Ok(entries) => entries,

@@ -54,7 +54,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     Station::new("newton", "Newton's fractals in four dimensions", template, values)
 }
 
-/// Draws a basin in space; the number of triangles around it.
+/// Draws a basin in space, and returns the number of triangles around it.
 fn volume(site: &Site<'_>) -> Result<usize> {
     let newton = power(3, 0.0)?;
     let grid = Grid::cube(if site.small { 48 } else { 160 }, 3.0);
@@ -73,7 +73,7 @@ fn power(n: u32, w: f64) -> Result<Newton> {
     Ok(Newton::new(&NewtonOptions::new().polynomial(polynomial).w(w))?)
 }
 
-/// Draws the surface; the number of its vertices.
+/// Draws the surface, and returns the number of its vertices.
 fn surface(site: &Site<'_>) -> Result<usize> {
     let fine = if site.small { 120 } else { 600 };
     let mesh = families::torus(2 * fine, fine, 1.0, 0.45)?;

@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use crate::info::cpu_model;
 
-/// Tells a page of ours from other people's.
+/// Marks the pages that `catamaran demo` has written, and may replace.
 pub const MARKER: &str = r#"<meta name="generator" content="catamaran demo">"#;
 
 /// What one system shows. Title and body are HTML.

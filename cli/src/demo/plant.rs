@@ -67,7 +67,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     Station::new("plant", "Plants that wilt", include_str!("stations/plant.html"), values)
 }
 
-/// Returns a row of the table: a step, and an evaluation at some time.
+/// Returns a row of the table: the times of a step and of an evaluation.
 fn times(nodes: usize) -> Result<Value> {
     const STEPS: usize = 10;
     let plant = grow(&GrowthOptions::new().nodes(nodes))?;

@@ -104,7 +104,7 @@ fn eigenfunctions(site: &Site<'_>, pose: &Pose) -> Result<()> {
     render(&scene)?.write(site.file("eigenfunctions.png")?)
 }
 
-/// Returns the figure as its coordinates are in three bases.
+/// Draws the figure as its coordinates are in three bases, and returns the error in each.
 fn approximation(site: &Site<'_>, pose: &Pose) -> Result<Vec<Outcome>> {
     let points = pose.mesh.vertices();
     let coordinates = Mat::from_fn(points.len(), 3, |i, j| points[i][j]);
@@ -131,7 +131,8 @@ fn approximation(site: &Site<'_>, pose: &Pose) -> Result<Vec<Outcome>> {
     Ok(outcomes)
 }
 
-/// Returns a high eigenfunction, transferred by few and by products of them; the errors of both.
+/// Draws a high eigenfunction that is transferred by few eigenfunctions and by products of them;
+/// returns the errors of both.
 fn transfer(site: &Site<'_>, source: &Pose, target: &Pose) -> Result<[f64; 2]> {
     let par = Par::all();
     let (k, order) = TRANSFER;

@@ -62,9 +62,9 @@ fn block(svg: &mut String, task: &Task, unit: f64, processes: usize) {
 }
 
 struct Layout {
-    /// Between leaves.
+    /// Distance between leaves.
     step: f64,
-    /// Between levels.
+    /// Distance between levels.
     level: f64,
     processes: usize,
 }

@@ -1,6 +1,7 @@
 //! The rows of a table without a missing value, also where they have partners in other files.
 
 use anyhow::{Result, anyhow, bail};
+use catamaran::faer::Mat;
 use catamaran::io::Missing;
 use catamaran::rows::{Design, DesignColumn, Survey};
 use catamaran::{Error, Par};
@@ -50,17 +51,25 @@ pub fn survey(table: &Table, factors: &[usize], missing: Missing, par: Par) -> R
             Some(Error::Argument { .. }) => error.context(path.to_string()),
             _ => error,
         })?;
-    let Some(first) = survey.missing.first() else { return Ok(survey) };
+    let Some(&first) = survey.missing.first() else { return Ok(survey) };
     if missing != Missing::Drop {
+        let column = table.read_all(&RowList::from(first..first + 1), false, |rows| {
+            let mut row = Mat::<f64>::zeros(1, rows.ncols());
+            rows.read(0, row.as_mut())?;
+            Ok((0..row.ncols()).find(|&j| row[(0, j)].is_nan()))
+        })?;
+        let (path, name) = table.column(column.unwrap_or_default());
         bail!(
-            "{path}: a value is missing in row {first} (counted from 0); --missing drop leaves \
-             such rows out"
+            "{}: a value is missing in row {first} (counted from 0), column {name}; --missing \
+             drop leaves such rows out",
+            path.display()
         );
     }
     let dropped = survey.missing.len();
     let left = table.all_rows() - dropped;
     let rows = if dropped == 1 { "row" } else { "rows" };
-    note(format_args!("{path}: {dropped} {rows} with a missing cell left out, {left} used"));
+    let files = table.files();
+    note(format_args!("{files}: {dropped} {rows} with a missing cell left out, {left} used"));
     if is_json() {
         let name = path.to_string();
         status!("left_out", path = name, dropped_rows = dropped, rows = left; "{dropped}")?;

@@ -130,6 +130,15 @@ impl Table {
         (source.path(), source.column_names().swap_remove(j))
     }
 
+    /// Returns the names of the files, between commas.
+    pub fn files(&self) -> String {
+        let a = self.a.path().display();
+        match &self.with {
+            With::Columns(b) => format!("{a}, {}", b.path().display()),
+            With::Nothing | With::Order(_) => a.to_string(),
+        }
+    }
+
     /// Returns texts that identify A and what is done with its rows.
     pub fn identity(&self) -> [String; 2] {
         let with = match &self.with {
@@ -153,11 +162,9 @@ impl Table {
             return Ok(());
         }
         let mut numbers: Vec<_> = self.a.facts().into();
-        let mut name = self.a.path().display().to_string();
         if let With::Columns(b) = &self.with {
             let names = ["the size of an entry of B", "the size of the file of B"];
             numbers.extend(names.into_iter().zip(b.facts().map(|(_, number)| number)));
-            name = format!("{name}, {}", b.path().display());
         }
         if let Some(design) = self.design() {
             let hash = fingerprint_of_text(&about(design)) as usize;
@@ -168,7 +175,7 @@ impl Table {
             same = ranks.same_rows(rows, &numbers);
             Ok(())
         })?;
-        ranks.meet(same.with_context(|| name))
+        ranks.meet(same.with_context(|| self.files()))
     }
 
     /// Calls `work` with some of the rows; `require_finite` refuses NaN and infinities, of which

@@ -5,7 +5,7 @@ mod report;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use catamaran_geometry::mesh::io::{self as files, MeshFile, MeshFormat};
 use catamaran_geometry::mesh::{
     Components, Normalization, Part, Problem, RepairOptions, RepairReport, RepairStep, TriMesh,
@@ -92,8 +92,8 @@ pub struct Args {
     normalize: Option<Size>,
     #[command(flatten)]
     picture: PictureArgs,
-    /// Fail if the mesh has a problem after the requested repairs. A boundary, such as that of a
-    /// hole, is no problem.
+    /// Fail if the mesh, or the component of --component, has a problem after the requested
+    /// repairs. A boundary, such as that of a hole, is no problem.
     #[arg(long)]
     check: bool,
     #[command(flatten)]
@@ -152,8 +152,9 @@ pub fn run(args: &Args) -> Result<()> {
     report::measures(&file)?;
 
     if let Some(options) = args.repairs(factor) {
-        let mut done =
-            repair(file, &options).map_err(as_option).with_context(|| name.to_string())?;
+        let mut done = repair(file, &options)
+            .map_err(|error| args.refused(error))
+            .with_context(|| name.to_string())?;
         // In units of the file, as the option has it.
         for step in &mut done.report.steps {
             if let (RepairStep::Welded { tolerance, .. }, Some(Weld::Within(given))) =
@@ -176,10 +177,13 @@ pub fn run(args: &Args) -> Result<()> {
             report::measures(&file)?;
         }
     }
+    let file = changed(args, file).with_context(|| name.to_string())?;
+    if args.component.is_some() {
+        found = file.mesh.validate();
+    }
     if args.check && !found.problems.is_empty() {
         bail!("{name}: problems found: {}", found.problems.len());
     }
-    let file = changed(args, file).with_context(|| name.to_string())?;
     if let Some(other) = &args.compare {
         report::compare(&file.mesh, &found, other).with_context(|| name.to_string())?;
     }
@@ -222,6 +226,24 @@ impl Args {
         options.drop_specks = self.drop_specks;
         options.fill_holes = self.fill_holes;
         (options != RepairOptions::new()).then_some(options)
+    }
+
+    /// Names the option of an error of the library: --repair, if that alone selects the step.
+    fn refused(&self, error: catamaran::Error) -> anyhow::Error {
+        let is_implied = |what: &str| match what {
+            "weld" => self.weld.is_none(),
+            "drop_duplicates" => !self.drop_duplicates,
+            "drop_degenerate" => !self.drop_degenerate,
+            "compact" => !self.compact,
+            "orient" => !self.orient,
+            _ => false,
+        };
+        match error {
+            catamaran::Error::Argument { what, why } if is_implied(what) => {
+                anyhow!("--repair, which implies --{}: {why}", what.replace('_', "-"))
+            }
+            error => as_option(error),
+        }
     }
 }
 

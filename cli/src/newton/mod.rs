@@ -145,7 +145,7 @@ pub struct Args {
     )]
     size: Option<(u32, u32)>,
     /// Use the coordinates of a mesh as they are, instead of fitting them into --extent.
-    #[arg(long, requires = "mesh")]
+    #[arg(long, requires = "mesh", conflicts_with = "extent")]
     no_fit: bool,
     /// Width of the part of the plane, of the volume, or of the box that a mesh is fitted into.
     #[arg(long, value_name = "WIDTH", default_value_t = 3.0)]

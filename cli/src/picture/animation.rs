@@ -67,9 +67,6 @@ impl Frames {
         if let Some(format) = Format::of(path) {
             let name = path.display();
             let Some(count) = count else { bail!("{name}: an animation needs --frames") };
-            if count == 0 {
-                bail!("{name}: --frames 0, where an animation needs at least one frame");
-            }
             let output = force.create(path)?;
             return Ok(Self::Animation(Animation::new(output, format, count, rate)));
         }

@@ -89,7 +89,7 @@ impl Ranks {
     }
 
     /// Returns the rows of `m` that this process takes, of which `together` rows are read at once:
-    /// those of a packed chunk, which else two processes would unpack.
+    /// those of a packed chunk, which two processes would unpack otherwise.
     pub fn share(&self, m: usize, together: usize) -> Range<usize> {
         share(m, together, self.rank(), self.size())
     }

@@ -188,8 +188,8 @@ impl Ranks {
         self.meet(catamaran::ranks::agree_numbers(&mpi.world, numbers).map_err(Into::into))
     }
 
-    /// Returns an error after a signal to any process, of which all are told, and after another one
-    /// has failed. Called on the thread that calls MPI.
+    /// Returns an error after a signal to any process, and after another process has failed. A
+    /// signal to this process is told to all others. Called on the thread that calls MPI.
     pub fn check(&self) -> catamaran::Result<()> {
         let own = signals::check();
         let Some(mpi) = &self.mpi else { return own };

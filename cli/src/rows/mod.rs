@@ -10,7 +10,7 @@ mod source;
 pub use add::{Shown, add_rows};
 pub use checkpoint::{Begun, CheckpointArgs, labels_with_rows};
 pub use list::RowList;
-pub use parts::{COLUMNS, ROWS};
+pub use parts::{COLUMNS, ROWS, WEIGHTS, WITHOUT_WEIGHTS};
 pub use source::{
     Part, Source, Watched, check_same_weights, fingerprint, fingerprint_of_indices,
     fingerprint_of_text, open, read_weights,

@@ -16,6 +16,10 @@ pub const ROWS: &str = "rows";
 /// The label of the names of the columns, one in a line.
 pub const COLUMNS: &str = "columns";
 
+/// The label of the weights of the rows, and its value for rows without weights.
+pub const WEIGHTS: &str = "weights";
+pub const WITHOUT_WEIGHTS: &str = "none";
+
 /// A file of a checkpoint.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CheckpointFile {

@@ -24,6 +24,7 @@ use catamaran_simulation::texture::slime::{
 };
 use catamaran_simulation::texture::{Look, MaterialMaps, Preset};
 
+use crate::claims::refuse_result;
 use crate::common::{Force, Threads, as_option};
 use crate::defaults::stated;
 use crate::device::{self, DeviceArgs};
@@ -179,6 +180,9 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let _folder = Folder::create(&args.output, TABLE)?;
     let outputs = Outputs::create(args)?;
+    // The outputs have claimed their names; those of these files are claimed after steps only.
+    let late = args.late_files(&frames, options.species, look.as_ref());
+    late.iter().try_for_each(|name| refuse_result(&args.output.join(name)))?;
     let file = match &args.mesh {
         Some(path) => args.repair.read(path)?,
         None => MeshFile::from(Surface::tile_mesh()?),
@@ -393,12 +397,19 @@ impl Args {
         frames.iter().flat_map(|&step| frame_names(step, self.steps, species)).collect()
     }
 
+    /// Returns the names of the files that are created after steps: the pictures of frames, and the
+    /// files of a look.
+    fn late_files(&self, frames: &[u32], species: usize, look: Option<&Look>) -> Vec<String> {
+        let mut files = self.frame_files(frames, species);
+        files.extend(look.map(material::names).unwrap_or_default().into_iter().map(String::from));
+        files
+    }
+
     /// Returns the number of files that the folder receives, after a check that none of them exists
     /// yet, unless --force allows that.
     fn check_names(&self, frames: &[u32], species: usize, look: Option<&Look>) -> Result<usize> {
-        let mut files = self.frame_files(frames, species);
+        let mut files = self.late_files(frames, species, look);
         files.extend([TABLE.into(), MESH.into(), MATERIAL.into()]);
-        files.extend(look.map(material::names).unwrap_or_default().into_iter().map(String::from));
         files.iter().try_for_each(|name| self.force.check(&self.output.join(name)))?;
         Ok(files.len())
     }

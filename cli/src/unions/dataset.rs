@@ -3,18 +3,18 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use catamaran::io::check_arrays_name;
 use catamaran_training::dataset::{
-    Dataset, DatasetOptions, TEST_A, TEST_B, TRAIN, generate, write,
+    Dataset, DatasetOptions, TEST_A, TEST_B, TRAIN, generate, remove_shapes, write,
 };
 use clap::ValueEnum;
 
-use crate::common::{Force, Threads};
+use crate::common::{Force, Threads, as_option};
 use crate::defaults::stated;
 use crate::output;
 use crate::progress::Bar;
-use crate::report::{report, seconds, status};
+use crate::report::{note, report, seconds, status};
 
 /// Generate shapes and parts of them, and write the spectra of parts and unions.
 ///
@@ -125,10 +125,12 @@ pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
     let bar = Bar::new("shapes");
     let update = |fraction| bar.update(fraction);
-    let dataset = generate(&options, &folder, par, (&update).into())?;
+    let dataset = generate(&options, &folder, par, (&update).into()).map_err(of_option)?;
     drop(bar);
     write(&dataset, args.force.create(&args.output)?)?;
-    std::fs::remove_dir_all(&folder).with_context(|| folder.display().to_string())?;
+    if !remove_shapes(&folder)? {
+        note(format_args!("{}: stays, because it has other files", folder.display()));
+    }
     summary(&dataset)?;
     let (path, time) = (args.output.display().to_string(), start.elapsed());
     status!(
@@ -138,6 +140,16 @@ pub fn run(args: &Args) -> Result<()> {
         "{path} in {}",
         seconds(time)
     )
+}
+
+/// Names the option of an error of the library.
+fn of_option(error: catamaran::Error) -> anyhow::Error {
+    const OPTIONS: [&str; 8] =
+        ["vertices", "known", "unknown", "others", "poses", "pairs", "varied", "creatures"];
+    match error {
+        catamaran::Error::Argument { what, .. } if OPTIONS.contains(&what) => as_option(error),
+        error => error.into(),
+    }
 }
 
 fn options(args: &Args) -> DatasetOptions {

@@ -8,7 +8,7 @@ use catamaran_geometry::mesh::io::{self as meshes, MeshFile};
 use catamaran_training::dataset::DatasetOptions;
 use catamaran_training::families::{Family, Model};
 
-use crate::common::Force;
+use crate::common::{Force, as_option};
 use crate::output;
 use crate::report::status;
 
@@ -33,7 +33,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<()> {
     meshes::check_name(&args.output)?;
     let output = args.force.create(&args.output)?;
-    let model = Model::new(Family::Humanoid, args.vertices)?;
+    let model = Model::new(Family::Humanoid, args.vertices).map_err(as_option)?;
     let template = model.template();
     // y is up, as in pictures; families have z up.
     let upright = template.vertices().iter().map(|&[x, y, z]| [x, z, -y]).collect();

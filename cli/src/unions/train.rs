@@ -23,7 +23,7 @@ use crate::output;
 use crate::parse;
 use crate::picture::write_chart;
 use crate::progress;
-use crate::report::{report, status};
+use crate::report::{note, report, status};
 use crate::signals;
 
 /// Least time between two writes of the state: a stop within an epoch loses at most this time
@@ -84,7 +84,7 @@ pub struct Args {
     /// Number of hidden neurons in a layer.
     #[arg(long, value_name = "NUMBER", default_value_t = TrainOptions::default().sizes.hidden)]
     hidden: usize,
-    /// Number of pairs in a step.
+    /// Number of pairs in a step, a multiple of 64.
     #[arg(long, value_name = "NUMBER", default_value_t = TrainOptions::default().batch)]
     batch: usize,
     /// Largest learning rate.
@@ -227,6 +227,13 @@ fn examples(args: &Args, par: Par) -> Result<Examples> {
         "{training} training pairs ({composites} with a part that is a union), {validation} \
          validation pairs"
     )?;
+    if examples.validates_on_training() {
+        note(format_args!(
+            "{}: too few samples to hold some out: the training pairs are the validation pairs \
+             too, so that the validation error is too small",
+            args.data.display()
+        ));
+    }
     Ok(examples)
 }
 

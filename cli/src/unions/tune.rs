@@ -3,18 +3,18 @@
 use std::io::Write as _;
 use std::path::PathBuf;
 
-use anyhow::{Result, bail};
-use catamaran::base::Progress;
+use anyhow::{Context, Result};
 use catamaran_geometry::mesh::{Boundary, TriMesh};
 use catamaran_training::train::Trainer;
-use catamaran_training::tune::{TuneOptions, family_examples, start};
+use catamaran_training::tune::{TuneOptions, divide_pairs, family_pairs, start};
 
 use super::parts::model;
 use crate::common::{Force, Threads, as_option};
 use crate::input::MeshArgs;
+use crate::parse;
 use crate::pieces::Pieces;
 use crate::progress::{self, Bar};
-use crate::report::{report, status};
+use crate::report::{note, report, status};
 
 /// Fit the network of `unions predict` to a family of shapes, from about 50 meshes.
 ///
@@ -37,10 +37,20 @@ pub struct Args {
     #[arg(long, value_name = "FILE")]
     weights: Option<PathBuf>,
     /// Approximate number of pairs of parts of each mesh.
-    #[arg(long, value_name = "NUMBER", default_value_t = TuneOptions::default().pairs)]
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        default_value_t = TuneOptions::default().pairs,
+        value_parser = parse::at_least_one
+    )]
     pairs: usize,
     /// Number of passes over the pairs.
-    #[arg(long, value_name = "NUMBER", default_value_t = TuneOptions::default().epochs)]
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        default_value_t = TuneOptions::default().epochs,
+        value_parser = parse::at_least_one
+    )]
     epochs: usize,
     /// Largest learning rate.
     #[arg(long, value_name = "NUMBER", default_value_t = TuneOptions::default().rate)]
@@ -58,9 +68,6 @@ pub struct Args {
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
-    if args.pairs == 0 || args.epochs == 0 {
-        bail!("--pairs and --epochs must be at least 1");
-    }
     let mut output = args.force.create(&args.output)?;
     let base = model(args.weights.as_deref())?;
     let read = |path: &PathBuf| {
@@ -80,9 +87,25 @@ pub fn run(args: &Args) -> Result<()> {
     let meshes: Vec<TriMesh> = args.meshes.iter().map(read).collect::<Result<_>>()?;
     let par = args.threads.par();
     let bar = Bar::new("parts");
-    let update = |fraction| bar.update(fraction);
-    let examples = family_examples(&meshes, &base, &options, par, Progress::new(&update))?;
+    let (mut pairs, mut without) = (Vec::with_capacity(meshes.len()), Vec::new());
+    for (number, (mesh, path)) in meshes.iter().zip(&args.meshes).enumerate() {
+        bar.step(number as f64 / meshes.len() as f64)?;
+        let name = || path.display().to_string();
+        let own = family_pairs(mesh, number, &options, par).with_context(name)?;
+        if own.is_empty() {
+            without.push(name());
+        }
+        pairs.push(own);
+    }
     drop(bar);
+    if let Some(first) = without.first() {
+        note(format_args!(
+            "{first}: no pair of parts could be cut; of {} meshes, {} give none",
+            meshes.len(),
+            without.len()
+        ));
+    }
+    let examples = divide_pairs(pairs, &base, &options)?;
     let (training, aside) = (examples.training.len(), examples.validation.len());
     status!(
         "data",

@@ -449,9 +449,6 @@ impl Args {
     pub fn weather(&self, plant: &Plant) -> Result<Weather> {
         /// Days at most: the library walks through 10^6 changes of the loss, one after the other.
         const DAYS: f64 = 5e5;
-        if self.frames == 0 {
-            bail!("--frames 0: must be at least 1");
-        }
         let days = self.hours / 24.0;
         if self.day_night && days > DAYS {
             let hours = self.hours;

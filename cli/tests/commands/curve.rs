@@ -118,6 +118,11 @@ fn what_is_wrong_is_said_with_its_place() {
         folder.fail(run)
     };
     assert!(told("0\n1\nx\n").contains("samples.txt:3: neither"));
+    // Three numbers after that of the face, and another word.
+    for face in ["7 0.2 0.3 0.5 x", "7 x 0.2 0.3 0.5", "7 0.2 0.3 0.5 0"] {
+        let said = told(&format!("0\n1\n{face}\n"));
+        assert!(said.contains("samples.txt:3: neither"), "{face}: {said}");
+    }
     assert!(told("0\n1\n").contains("samples: must be at least 3, are 2"));
     assert!(told("0\n1\n1\n").contains("sample 2 is vertex 1, as sample 1"));
     assert!(told("0\n1\n99\n").contains("site 2: vertex 99 is out of range: 84 vertices"));
@@ -131,6 +136,28 @@ fn what_is_wrong_is_said_with_its_place() {
     assert!(json.contains("\"outcome\": \"disconnected\""), "{json}");
     assert!(json.contains("\"length\": 0,") && json.contains("\"left_out\": [0, 1, 2]"), "{json}");
     assert!(folder.fail("curve mesh.obj --samples samples.txt -o c.txt").contains(".obj or .json"));
+}
+
+#[test]
+fn a_curve_that_is_not_complete_is_named_with_the_number_of_its_sample_in_the_file() {
+    // The first path of the second curve divides the mesh between the other two samples.
+    let samples = "curve a\n20\n24\n60\n56\ncurve b open\n36\n44\n4\n76\n";
+    let folder = folder(&families::grid(8, 8).unwrap(), samples);
+    let run = "curve mesh.obj --samples samples.txt --mode ordered --force -o curve.json";
+    let found = folder.run(run);
+    assert_eq!(found.code, Some(1), "{}", found.stderr);
+    let outcome = "blocked at sample 4, 3 samples not reached";
+    assert!(found.stdout.contains("outcome     a: closed"), "{}", found.stdout);
+    assert!(found.stdout.contains(&format!("outcome     b: {outcome}")), "{}", found.stdout);
+    let says = format!("catamaran: samples.txt: curve b: not complete: {outcome}\n");
+    assert_eq!(found.stderr, says);
+    let found = folder.run(&format!("{run} --json"));
+    assert!(found.stdout.contains("\"blocked_at\":4"), "{}", found.stdout);
+    // A file without names.
+    folder.write("samples.txt", "36\n44\n4\n76\n");
+    let found = folder.run(&format!("{run} --open"));
+    let says = "catamaran: samples.txt: a curve is not complete: blocked at sample 0, 3 samples";
+    assert!(found.stderr.starts_with(says), "{}", found.stderr);
 }
 
 /// Numbers of vertices of a grid of n x n squares.

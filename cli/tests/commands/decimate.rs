@@ -366,7 +366,7 @@ fn refusals_say_why_and_leave_nothing() {
     );
     assert!(refused("--faces 0 -o out.ply").contains("catamaran: --faces: must be at least 1"));
     assert!(refused("--edge-length 0 -o out.ply").contains("catamaran: --edge-length: must be"));
-    // The number of vertices is one that no option was given.
+    // The message names the option that was given, not `-n`, which has the number of vertices.
     assert!(refused("--edge-length 1e9 -o out.ply").contains("vertices: --edge-length 1e9: "));
     assert!(refused("--ratio 1e-9 -o out.ply").contains("vertices: --ratio 0.000000001: "));
     for command in ["decimate in.ply -n 20", "mesh in.ply"] {

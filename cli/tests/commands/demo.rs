@@ -108,7 +108,7 @@ fn block<'a>(text: &'a str, label: &str) -> Vec<&'a str> {
     std::iter::once(first).chain(rest).map(|line| line[14..].trim()).collect()
 }
 
-/// One run serves all questions: it is the slowest of the commands.
+/// One run serves all checks, because this is the slowest of the commands.
 #[test]
 fn demo_writes_a_page_whose_files_exist_and_replaces_only_its_own() {
     let folder = Folder::new();

@@ -78,7 +78,7 @@ fn certified_coefficients_come_out_by_the_names_of_the_header() {
     let report =
         folder.succeed("lstsq longley.csv --by-column employed --intercept -o x.npz -o x.json");
     let found = arrays(&folder, "x.npz");
-    // The certified values are of the decimal numbers, of which the file is read rounded.
+    // The certified values are those of the decimal numbers, which are read rounded.
     let x = found.matrix("x").unwrap();
     assert_close(x.col_as_slice(0), &COEFFICIENTS, 1e-12);
     assert_close(found.matrix("standard_error").unwrap().col_as_slice(0), &ERRORS, 1e-12);
@@ -245,7 +245,7 @@ fn p_values_intervals_and_f_are_those_of_r() {
     folder.write("other.csv", "hp,weight\n150,3\n");
     let message = folder.fail("predict x.json other.csv");
     assert!(
-        message.contains("other.csv: columns: no column wt; the columns are hp, weight"),
+        message.contains("other.csv: has no column wt; the columns are hp, weight"),
         "{message}"
     );
     let message = folder.fail("predict new.csv new.csv");
@@ -328,7 +328,8 @@ fn factors_have_the_coefficients_of_r_and_predict_by_their_levels() {
     assert_close(&predicted("x.json"), &predicted("y.json"), 1e-13);
     folder.write("new.csv", "cyl,wt\n5,3\n");
     let message = folder.fail("predict x.json new.csv");
-    assert!(message.contains("new.csv: factor: cyl has no level 5, but "), "{message}");
+    let says = "new.csv: column cyl: the fit has no level 5, but ";
+    assert!(message.contains(says) && message.contains("in row 0"), "{message}");
     for (option, said) in [
         ("cyl=5", "cars.csv: factor: cyl has no level 5, but 4, 6, 8"),
         ("color", "cars.csv: no column color for --factor; A has cyl, wt"),
@@ -423,6 +424,16 @@ fn rows_with_missing_values_are_left_out_on_request_and_counted() {
     let message = folder.fail("lstsq a.npy --by-column 2 --factor 0");
     assert!(message.contains("a.npy: a value is missing in row 1 (counted from 0)"), "{message}");
     assert!(message.contains("--missing drop"), "{message}");
+    // The value that is missing first is one of B.
+    folder.write("g.csv", "x,g\n1,a\n2,b\n3,a\n4,b\n5,a\n");
+    folder.write("y.csv", "y\n1\nNA\n3\n4\n6\n");
+    let line = "lstsq g.csv y.csv --factor g --missing";
+    let message = folder.fail(&format!("{line} nan"));
+    let says = "y.csv: a value is missing in row 1 (counted from 0), column y; --missing drop";
+    assert!(message.contains(says) && !message.contains("g.csv: a value"), "{message}");
+    let run = folder.run(&format!("{line} drop"));
+    let note = "note: g.csv, y.csv: 1 row with a missing cell left out, 4 used";
+    assert!(run.code == Some(0) && run.stderr.contains(note), "{}", run.stderr);
 }
 
 #[test]
@@ -471,7 +482,7 @@ fn factors_of_words_are_fitted_and_predicted_by_their_levels() {
     folder.write("other.csv", "x,ort\n2,Ulm\n4,Jena\n");
     let message = folder.fail("predict x.json other.csv");
     assert!(
-        message.contains("other.csv: factor: ort has no level Jena, but Bonn, Kiel, Ulm"),
+        message.contains("other.csv: column ort: the fit has no level Jena, but Bonn, Kiel, Ulm"),
         "{message}"
     );
     // One word among numbers makes a factor of words.
@@ -581,7 +592,7 @@ fn dependent_columns_give_the_solution_of_least_norm_and_a_note() {
     assert_eq!(found.indices("rank").unwrap(), [1]);
     let message = folder.fail("lstsq a.csv --by-column y --refuse-dependent -o y.npz");
     assert!(message.contains("a.csv: column ") && message.contains("depends on"), "{message}");
-    // A prediction for a row in which v is not u has no ground, and says so.
+    // A prediction for a row in which v is not u is arbitrary; a note says so.
     folder.succeed("lstsq a.csv --by-column y -o x.json");
     folder.write("new.csv", "u,v\n1,3\n");
     let note = noted(&folder, "predict x.json new.csv");
@@ -623,6 +634,8 @@ fn errors_name_the_file_and_the_cause() {
     folder.write_npy::<f64>("thin.npy", &[3, 0], &[]);
     folder.write_npy("three.npy", &[3, 3], &table(3, 3));
     folder.write("zero.csv", "0\n0\n0\n");
+    folder.write("one.csv", "1,2\n");
+    folder.write("unit.csv", "1\n");
     folder.write("far.csv", "x,y,z\n1,1e-170,1\n3,2e-170,2\n5,5e-170,1\n");
     folder.write("long.csv", "1e200\n2\n3\n");
     folder.write("old.npz", "precious");
@@ -663,6 +676,8 @@ fn errors_name_the_file_and_the_cause() {
         ("lstsq minus.csv --by-column 0", "minus.csv: no columns besides those of --by-column"),
         ("svd thin.npy", "thin.npy: no columns"),
         ("pca a.csv --weights zero.csv", "zero.csv: all weights are zero"),
+        ("pca one.csv", "one.csv: one row, but a variance needs two"),
+        ("pca one.csv --weights unit.csv", "unit.csv: the --weights add up to 1, but a variance"),
         ("lstsq a.csv --by-column y --weights zero.csv", "zero.csv: all weights are zero"),
         ("ata a.csv --center --weights zero.csv", "zero.csv: weights: they sum to zero"),
         ("ata a.csv --center --weights zero.csv --scheme exact", "zero.csv: weights: they sum to"),

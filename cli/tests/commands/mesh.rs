@@ -127,6 +127,29 @@ fn a_mesh_is_cleaned_and_converted() {
 }
 
 #[test]
+fn one_component_is_checked_and_compared_without_the_others() {
+    let folder = Folder::new();
+    // Two squares; the faces of the second one disagree.
+    folder.write(
+        "two.off",
+        "OFF\n8 4 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n5 0 0\n6 0 0\n6 1 0\n5 1 0\n\
+         3 0 1 2\n3 0 2 3\n3 4 5 6\n3 4 7 6\n",
+    );
+    let refused = folder.fail("mesh two.off --check -o no.off --component 1");
+    assert!(refused.contains("two.off: problems found: 1"), "{refused}");
+    folder.succeed("mesh two.off --check -o one.off --component 0");
+    let said = folder.succeed("mesh two.off --compare one.off -o again.off --component 0");
+    for (label, both) in [
+        ("vertices", "4                       4"),
+        ("components", "1                       1"),
+        ("loops", "1                       1"),
+        ("problems", "0                       0"),
+    ] {
+        assert!(said.contains(&format!("\n{label:<12}{both}\n")), "{label}: {said}");
+    }
+}
+
+#[test]
 fn a_conversion_keeps_attributes() {
     let folder = Folder::new();
     folder.write("a.obj", format!("{SQUARE}vt 0 0\nvt 1 1\nvn 0 0 1\nf 1/1/1 2/2/1 3/1/1\n"));
@@ -473,7 +496,11 @@ fn options_that_leave_nothing_are_named_and_nothing_is_written() {
     for (arguments, why) in [
         ("mesh two.off --weld 1e300 -o x", format!("two.off: --weld: {none} 8 faces")),
         ("mesh two.off --drop-specks .6 -o x", format!("two.off: --drop-specks: {none} 8 faces")),
-        ("mesh flat.obj --repair -o x", format!("flat.obj: --drop-degenerate: {none} 1 faces")),
+        ("mesh flat.obj --drop-degenerate -o x", format!("flat.obj: --drop-degenerate: {none} 1")),
+        (
+            "mesh flat.obj --repair -o x",
+            format!("flat.obj: --repair, which implies --drop-degenerate: {none} 1 faces"),
+        ),
         ("mesh cloud.obj --compact -o x", format!("cloud.obj: --compact: {none} 3 vertices")),
         ("spectrum two.off --weld 1e300", format!("two.off: --weld: {none} 8 faces")),
         (
@@ -484,7 +511,10 @@ fn options_that_leave_nothing_are_named_and_nothing_is_written() {
             "distance flat.obj --from 0 -o x",
             format!("flat.obj: the removal of faces without area {none} 1 faces"),
         ),
-        ("shapedna two.off -k 4 --nearest 0", "--nearest 0: ".into()),
+        (
+            "shapedna two.off -k 4 --nearest 0",
+            "--nearest 0: lists nothing, which is for --signatures, --distances and --fit-m".into(),
+        ),
     ] {
         let end = if arguments.starts_with("mesh") { ".ply" } else { ".csv" };
         let refused = folder.fail(&arguments.replace("-o x", &format!("-o x{end}")));

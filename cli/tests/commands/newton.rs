@@ -338,6 +338,7 @@ fn options_of_meshes_and_of_volumes_exclude_each_other() {
         "--volume --picture b.png --inlay stones",
         "--volume --picture b.png --no-fit",
         "--volume --picture b.png --uv",
+        "square.obj --no-fit --extent 7 -o b.ply",
         "square.obj --basins 0 -o b.ply",
         "square.obj --opacity slow -o b.ply",
         "square.obj --compress -o b.ply",
@@ -415,7 +416,6 @@ fn what_is_wrong_is_said() {
         ("newton none.obj --size 64 -o a.ply", "--size is for a plane, a texture (--uv) and"),
         ("newton -o a.png --picture b.png", "--picture"),
         ("newton -o a.apng", "needs --frames"),
-        ("newton --frames 0 --w-to 1 -o a.gif", "at least one frame"),
         ("newton --frames 2 --w-to 1 --fps 3 -o a.png", "--fps"),
         ("newton --volume -o a.gif --frames 2 --w-to 1", "only --picture writes animations"),
         ("newton --volume --size 4 --picture a.jpg", "must end in .png"),
@@ -433,6 +433,8 @@ fn what_is_wrong_is_said() {
         ("newton --basins 0 -o a.png", "--volume"),
         ("newton --volume --basins x -o a.ply", "numbers of roots"),
         ("newton --fps 3 -o a.png", "--frames"),
+        ("newton --frames 0 --w-to 1 -o a.gif", "from 1 to 100000"),
+        ("newton --frames 0 --w-to 1 -o a.png", "from 1 to 100000"),
         ("newton --frames 2 --w-to 1 --fps 99 -o a.gif", "from 0.1 to 50"),
     ] {
         let run = folder.run(command);
@@ -441,7 +443,7 @@ fn what_is_wrong_is_said() {
     }
     let run = folder.run("newton --frames 2000000000 --w-to 1 -o a.png");
     assert_eq!(run.code, Some(2));
-    assert!(run.stderr.contains("--frames") && run.stderr.contains("from 0 to 100000"));
+    assert!(run.stderr.contains("--frames") && run.stderr.contains("from 1 to 100000"));
     if cfg!(not(feature = "opencl")) {
         assert!(folder.fail("newton --device 0 -o a.png").contains("not in this build"));
     }

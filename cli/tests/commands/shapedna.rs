@@ -206,7 +206,7 @@ fn a_metric_is_for_signatures_of_its_kind() {
     }
     write(&folder, "two.off", families::spheres(2, 1).unwrap());
     let refused = folder.fail("shapedna thin.off two.off --metric m.json -k 6");
-    let says = "two.off: has 2 eigenvalues zero, the metric has 1";
+    let says = "two.off: 2 eigenvalues are zero, the metric has 1";
     assert!(refused.contains(says), "{refused}");
     let text = std::fs::read_to_string(folder.path("m.json")).unwrap();
     folder.write("newer.json", text.replace("\"version\": 1", "\"version\": 2"));
@@ -253,4 +253,27 @@ fn a_data_set_is_the_same_bytes_for_any_number_of_threads() {
     assert!(refused.contains("exists already"), "{refused}");
     let refused = folder.fail("unions dataset -o set.csv");
     assert!(refused.contains(".npz"), "{refused}");
+}
+
+#[test]
+fn a_data_set_leaves_the_files_of_others() {
+    let folder = Folder::new();
+    let sizes = "--size small --vertices 800 --known 1 --unknown 0 --others 0 --poses 1 --pairs 6 \
+                 --varied 0 --creatures 0";
+    // A refused option is named, and does not stand in the way of the next run.
+    for (option, says) in [
+        ("--vertices 3", "--vertices: must be from 500 to 1000000, is 3"),
+        ("--poses 0", "--poses: must be from 1 to 10000, is 0"),
+    ] {
+        let refused = folder.fail(&format!("unions dataset -o set.npz --size small {option}"));
+        assert!(refused.contains(says), "{refused}");
+    }
+    std::fs::create_dir(folder.path("set.npz.parts")).unwrap();
+    folder.write("set.npz.parts/mine.txt", "mine");
+    let refused = folder.fail(&format!("unions dataset -o set.npz {sizes}"));
+    let says = "set.npz.parts: has mine.txt, but no options.txt";
+    assert!(refused.contains(says), "{refused}");
+    std::fs::remove_file(folder.path("set.npz.parts/mine.txt")).unwrap();
+    folder.succeed(&format!("unions dataset -o set.npz {sizes}"));
+    assert!(folder.path("set.npz").exists() && !folder.path("set.npz.parts").exists());
 }

@@ -169,6 +169,18 @@ fn what_is_wrong_is_named() {
         let said = folder.fail(&format!("slime square.obj {arguments} -o out"));
         assert!(said.contains(why), "{said}");
     }
+    // Before the steps.
+    for (option, name) in [
+        ("--render out/frame-0002.png", "out/frame-0002.png: two results have this name"),
+        ("--coverage out/./frame-0003.png", "out/./frame-0003.png: two results have this name"),
+        ("--state out/frame-0002.png", "out/frame-0002.png: two results have this name"),
+        ("--material --state out/normal.png", "out/normal.png: two results have this name"),
+    ] {
+        let run = "slime square.obj --config c.toml --size 32 --steps 3 --every 2 -o out";
+        let said = folder.fail(&format!("{run} {option}"));
+        assert!(said.contains(&name.replace("/./", "/")), "{said}");
+        assert!(!folder.path("out").exists());
+    }
     folder.write("flat.obj", SQUARE.replace("vt 1 1", "vt 0.5 0"));
     let said = folder.fail("slime flat.obj --config c.toml -o out");
     assert!(said.contains("face 0") && said.contains("--atlas"), "{said}");
@@ -195,7 +207,7 @@ fn pixels(folder: &Folder, name: &str) -> (usize, usize, Vec<u8>) {
     (info.width as usize, info.line_size / info.width as usize, pixels)
 }
 
-/// Where the frame has none, as much as half, or more.
+/// Returns the texels that are black in the frame, and those that are almost white.
 fn marked(folder: &Folder, frame: &str) -> [Vec<usize>; 2] {
     let (_, _, frame) = pixels(folder, frame);
     let of = |low: u8, high: u8| {
@@ -266,7 +278,7 @@ fn a_material_is_written_as_its_look_says() {
     // Nothing is left out of either mesh.
     assert!(again.code == Some(0) && !again.stderr.contains("note:"), "{}", again.stderr);
     assert_eq!(fs::read(folder.path("out/material.glb")).unwrap(), model);
-    // A name on the command line goes before that of the file; without the option nothing is
+    // A name on the command line precedes that of the file; without the option nothing is
     // written.
     let said = folder.succeed("slime square.obj --config m.toml --steps 3 -o lava --material=lava");
     assert!(said.contains("11 files") && folder.path("lava/glow.png").exists(), "{said}");
@@ -318,8 +330,8 @@ fn a_tile_repeats_without_a_seam() {
             assert!(difference(0, rows) <= most, "{name}, {rows}");
         }
     }
-    // Four of it: the left half of the picture is the right half. The square is 792 pixels wide in
-    // a picture of 900.
+    // The picture shows four tiles: its left half is its right half. The square is 792 pixels wide
+    // in a picture of 900.
     let (size, bytes, picture) = pixels(&folder, "view.png");
     assert!(size == 900 && bytes == 3);
     let at = |x: usize, y: usize| i32::from(picture[3 * (900 * y + x)]);

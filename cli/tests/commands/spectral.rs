@@ -214,7 +214,7 @@ fn details_are_coordinates_or_heights() {
         (errors.sum::<f64>() / sizes.sum::<f64>()).sqrt()
     };
     let common = "transfer source.ply target.off --points points.txt -k 10 --order 2 --mode ours*";
-    // The target is three times as large as the source, and the same else.
+    // The target is three times as large as the source, and the same otherwise.
     let said = folder.succeed(&format!("{common} --details coordinates -o c.ply --picture c.png"));
     assert!(said.contains("transfer    3 functions"), "{said}");
     let found = vertices("c.ply");
@@ -930,7 +930,6 @@ fn functions_are_those_of_a_mesh_file_or_of_freesurfer() {
     let curv = std::fs::read(folder.path("lh.thickness")).unwrap();
     folder.write("lh.thickness.mgh", [&mgh[..], &curv[15..]].concat());
     assert_eq!(smooth("lh.thickness.mgh", "mgh.npy"), by_thickness);
-    // Heights are a combination of the first three eigenfunctions.
     // The content decides: these names are those of a surface, of a table and of nothing known.
     for name in ["lh.area.pial", "thickness.csv", "lh.jacobian_white"] {
         std::fs::copy(folder.path("lh.thickness"), folder.path(name)).unwrap();
@@ -945,6 +944,7 @@ fn functions_are_those_of_a_mesh_file_or_of_freesurfer() {
         let said = folder.fail(&format!("filter a.gii --low-pass 4 --functions {name} -o b.npy"));
         assert!(said.contains(says), "{name}: {said}");
     }
+    // Heights are a combination of the first three eigenfunctions.
     for (v, (a, b)) in by_mesh.iter().zip(&by_thickness).enumerate() {
         let z = file.scalars[0].values[v];
         assert!((a - z).abs() < 0.05 && (b - z).abs() < 0.05, "{v}: {a}, {b}, {z}");

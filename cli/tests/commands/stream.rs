@@ -381,6 +381,33 @@ fn sums_of_parts_merge_to_the_whole() {
 }
 
 #[test]
+fn weighted_sums_give_no_covariance_even_if_their_weights_add_up_to_the_rows() {
+    let folder = Folder::new();
+    folder.write("a.csv", "1,2\n3,5\n");
+    folder.write("b.csv", "4,1\n7,3\n");
+    folder.write("w.csv", "0.5\n1.5\n");
+    folder.write("v.csv", "1.5\n0.5\n");
+    for (sums, of) in [
+        ("plain", "b.csv"),
+        ("weighted", "a.csv --weights w.csv"),
+        ("other", "b.csv --weights v.csv"),
+    ] {
+        folder.succeed(&format!("ata {of} --center --accumulator {sums}.sums"));
+    }
+    folder.succeed("ata-merge weighted.sums plain.sums --accumulator mixed.sums");
+    folder.succeed("ata-merge weighted.sums other.sums --accumulator both.sums");
+    let says = "--covariance needs centred sums without weights";
+    for files in ["weighted.sums", "weighted.sums plain.sums", "mixed.sums", "both.sums"] {
+        let refused = folder.fail(&format!("ata-merge {files} --covariance -o c.npy"));
+        assert!(refused.contains(says), "{files}: {refused}");
+    }
+    let refused = folder.fail("ata-merge plain.sums mixed.sums --covariance -o c.npy");
+    assert!(refused.contains(says), "{refused}");
+    folder.succeed("ata-merge plain.sums --covariance -o c.npy");
+    assert_eq!(folder.read_npy::<f64>("c.npy", &[2; 2]), [4.5, 3.0, 3.0, 2.0]);
+}
+
+#[test]
 fn sums_of_other_columns_do_not_merge() {
     let folder = Folder::new();
     folder.write("a.csv", "x,y\n1,10\n2,20\n");

@@ -109,13 +109,24 @@ fn options_are_judged_before_any_input_is_read() {
     for (command, why) in [
         ("predict none.off none.off --localize there.off", "there.off: no such file"),
         ("interpolate none.off none.off none.off --localize there.off", "there.off: no such file"),
-        ("train none.npz -o x.safetensors --batch 0", "--batch: must be from 1 to 65536, is 0"),
+        ("template --vertices 3 -o t.ply", "--vertices: must be from 500 to 1000000, is 3"),
+        ("train none.npz -o x.safetensors --batch 0", "--batch: must be a multiple of 64 from 64"),
+        (
+            "train none.npz -o x.safetensors --batch 100",
+            "a multiple of 64 from 64 to 65536, is 100",
+        ),
         ("train none.npz -o x.safetensors --layers 65,1", "--layers: must be from 0 to 64, is 65"),
         ("train none.npz -o x.safetensors --rate nan", "--rate: must be finite and at least 0"),
         ("tune none.off none.off -o x.safetensors --rate=-1", "--rate: must be finite and at"),
     ] {
         let said = folder.fail(&format!("unions {command}"));
         assert!(said.contains(why), "{command}: {said}");
+    }
+    for option in ["--pairs", "--epochs"] {
+        let run = folder.run(&format!("unions tune none.off none.off -o x.safetensors {option} 0"));
+        assert_eq!(run.code, Some(2), "{option}: {}", run.stderr);
+        let says = format!("for '{option} <NUMBER>': expected a whole number of at least 1");
+        assert!(run.stderr.contains(&says), "{}", run.stderr);
     }
     for option in ["--epochs 0", "--minutes=-1", "--identities 0"] {
         let run = folder.run(&format!("unions train none.npz -o x.safetensors {option}"));
@@ -264,6 +275,20 @@ fn unions_with_spectra_in_between_begin_and_end_with_those_of_the_parts() {
     folder.write("cloud.off", format!("OFF\n{} 0 0\n{text}", points.len()));
     let refused = folder.fail("unions predict a.off cloud.off");
     assert!(refused.contains("cloud.off: points: a component has no boundary"), "{refused}");
+}
+
+#[test]
+fn meshes_that_give_no_pairs_are_counted_and_the_first_is_named() {
+    let folder = Folder::new();
+    for name in ["a.off", "b.off"] {
+        folder.write(
+            name,
+            "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n",
+        );
+    }
+    let said = folder.fail("unions tune a.off b.off -o x.safetensors --pairs 6 --epochs 1");
+    let note = "note: a.off: no pair of parts could be cut; of 2 meshes, 2 give none\n";
+    assert!(said.contains(note) && said.contains("too few pairs of parts"), "{said}");
 }
 
 #[test]

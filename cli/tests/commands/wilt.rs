@@ -103,7 +103,7 @@ fn refusals_say_what_is_wrong_and_write_nothing() {
     assert!(message.contains("a plant of 50000000 nodes would take at least"), "{message}");
     let run = folder.run("wilt --grow 5 -o out --frames 4000000000");
     assert_eq!(run.code, Some(2));
-    assert!(run.stderr.contains("--frames") && run.stderr.contains("from 0 to 100000"));
+    assert!(run.stderr.contains("--frames") && run.stderr.contains("from 1 to 100000"));
 }
 
 #[test]
@@ -671,7 +671,7 @@ fn options_of_motion_are_checked() {
     };
     fails("--motion 0", "--motion");
     fails("--motion 1 --steps-per-second 0", "--steps-per-second");
-    fails("--frames 0", "--frames 0");
+    fails("--frames 0", "expected a whole number from 1 to 100000");
     fails("--motion 1 --wind 1,2", "expected 3 numbers");
     fails("--motion 1 --damping=-1", "damping");
     fails("--wind 1,2,3", "--motion");

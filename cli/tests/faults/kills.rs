@@ -197,7 +197,7 @@ fn what_is_killed_goes_on_and_gives_the_same_bytes() {
                 kept = (job.kept)(&folder);
             }
             if is_whole || (job.next)(&folder, !was_killed).is_none() {
-                // Killed amid its last act, or faster than the kill: from the begin.
+                // Killed amid its last act, or faster than the kill: once more from the beginning.
                 assert!(is_whole, "{context}");
                 whole_before += 1;
                 leftovers += temporaries(&folder);

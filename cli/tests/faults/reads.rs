@@ -1,4 +1,4 @@
-//! Reads that fail: at the begin of a file, and in the middle.
+//! Reads that fail: at the beginning of a file, and in the middle.
 
 use std::fs;
 use std::os::unix::fs::symlink;
@@ -10,7 +10,7 @@ use crate::common::{Folder, Run};
 use crate::scene::all_files;
 use crate::{Tally, is_full};
 
-/// It opens, and a read at its begin fails with EIO: nothing is mapped at address 0.
+/// It opens, and a read at its beginning fails with EIO: nothing is mapped at address 0.
 const FAILING: &str = "/proc/self/mem";
 
 /// Every line with each of its inputs.

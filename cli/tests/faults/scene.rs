@@ -127,9 +127,10 @@ fn limit_to(command: &mut Command, limit: Limit) {
     }
 }
 
-/// The lines on stderr that are errors: `tune` says there what it does.
+/// The lines on stderr that are errors, without notes and what `tune` says there that it does.
 pub fn complaints(run: &Run) -> Vec<&str> {
-    run.stderr.lines().filter(|line| !line.starts_with("measuring ")).collect()
+    let is_other = |line: &str| line.starts_with("measuring ") || line.starts_with("note: ");
+    run.stderr.lines().filter(|line| !is_other(line)).collect()
 }
 
 /// Checks that every output is whole or as before, and that no temporary file is there.

@@ -79,9 +79,7 @@ impl<'m> Measured<'m> {
         if mesh.faces().is_empty() {
             return Err(Error::Mesh { what: "has no face".into(), element: "mesh".into() });
         }
-        let mut used = vec![false; mesh.vertices().len()];
-        mesh.faces().iter().flatten().for_each(|&v| used[v as usize] = true);
-        Ok(Self { mesh, faces: Triangles::of(mesh), used })
+        Ok(Self { mesh, faces: Triangles::of(mesh), used: mesh.referenced() })
     }
 
     /// Returns the squares of the distances of the vertices of either mesh from the surface of the

@@ -1,7 +1,7 @@
 //! Areas, normals, volume, quality and scale. Sums run in the order of the faces, so that results
 //! do not depend on the number of threads.
 
-use super::vector::{self, cross, dot, norm, sub, unit};
+use super::vector::{self, add, cross, dot, norm, sub, unit};
 use super::{Edges, TriMesh};
 use catamaran::base::{Error, Result};
 
@@ -85,7 +85,7 @@ impl TriMesh {
             let normal = self.doubled_normal(face);
             for v in face {
                 let sum = &mut sums[v as usize];
-                *sum = plus(*sum, normal);
+                *sum = add(*sum, normal);
             }
         }
         sums.into_iter().map(unit).collect()
@@ -243,8 +243,8 @@ impl TriMesh {
         for &face in self.faces() {
             let weight = norm(self.doubled_normal(face)) / 2.0;
             let [a, b, c] = self.corners_of(face);
-            let third = plus(plus(a, b), c).map(|x| weight * x / 3.0);
-            sum = plus(sum, third);
+            let third = add(add(a, b), c).map(|x| weight * x / 3.0);
+            sum = add(sum, third);
         }
         sum.map(|x| x / self.area())
     }
@@ -271,10 +271,6 @@ pub(crate) fn quality([a, b, c]: [[f64; 3]; 3]) -> f64 {
     let half = lengths.into_iter().sum::<f64>() / 2.0;
     let area = norm(vector::doubled_normal([a, b, c])) / 2.0;
     if longest > 0.0 { 2.0 * 3f64.sqrt() * area / (half * longest) } else { 0.0 }
-}
-
-fn plus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
 /// Returns the lowest and the highest coordinates of points, if there are any.

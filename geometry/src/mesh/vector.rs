@@ -58,3 +58,8 @@ pub fn distance(a: Vector, b: Vector) -> f64 {
 pub fn middle(a: Vector, b: Vector) -> Vector {
     std::array::from_fn(|k| 0.5 * (a[k] + b[k]))
 }
+
+/// Returns bits that are equal where the numbers are: adding zero turns -0 into 0.
+pub(crate) fn bits<const N: usize>(values: [f64; N]) -> [u64; N] {
+    values.map(|x| (x + 0.0).to_bits())
+}

@@ -30,13 +30,18 @@ const INSIDE: usize = 40;
 /// Share of the vertices that are removed from remeshed shapes.
 const REMOVED: f64 = 0.3;
 
+/// The file with the options that the shapes in its folder belong to.
+const OPTIONS: &str = "options.txt";
+
 /// Generates a data set. Finished shapes are stored in `folder`, which is created if it does not
-/// exist; another call with the same options continues from there. The caller has to delete the
-/// folder. The same options give the same data set for any number of threads.
+/// exist; another call with the same options continues from there. When the data set is written,
+/// the caller has to call [`remove_shapes`]. The same options give the same data set for any number
+/// of threads.
 ///
 /// # Errors
 /// [`Error::Argument`] for sizes out of range; [`Error::Io`] when the folder belongs to other
-/// options, or can't be written; [`Error::Cancelled`].
+/// options, or has other files, or can't be written; [`Error::Cancelled`]. After an error, a folder
+/// without shapes is removed.
 pub fn generate(
     options: &DatasetOptions,
     folder: &Path,
@@ -45,6 +50,48 @@ pub fn generate(
 ) -> Result<Dataset> {
     options.check()?;
     prepare(folder, &format!("{options:?}\n"))?;
+    let generated = generate_in(options, folder, par, progress);
+    if generated.is_err() && is_unused(folder).is_ok_and(|unused| unused) {
+        // Options that are refused must not refuse others. The first error is the one to report.
+        let _ = remove_shapes(folder);
+    }
+    generated
+}
+
+/// Returns whether a folder has nothing but options, and files that a killed program has begun.
+fn is_unused(folder: &Path) -> Result<bool> {
+    let unfinished = unfinished(folder)?;
+    let is_left = |path: &PathBuf| path.ends_with(OPTIONS) || unfinished.contains(path);
+    Ok(names(folder)?.iter().all(is_left))
+}
+
+/// Removes what [`generate`] has stored in `folder`: the finished shapes and the options. Then
+/// removes the folder, unless it has other files. Returns whether the folder is removed.
+///
+/// # Errors
+/// [`Error::Io`] when a file can't be removed.
+pub fn remove_shapes(folder: &Path) -> Result<bool> {
+    let failed = |path: &Path, e: std::io::Error| Error::io(path, e);
+    for path in shapes(folder)?.into_iter().chain(unfinished(folder)?) {
+        fs::remove_file(&path).map_err(|e| failed(&path, e))?;
+    }
+    // The options come last: they say whose shapes an interrupted removal leaves.
+    let options = folder.join(OPTIONS);
+    fs::remove_file(&options).map_err(|e| failed(&options, e))?;
+    let is_empty = names(folder)?.is_empty();
+    if is_empty {
+        fs::remove_dir(folder).map_err(|e| failed(folder, e))?;
+    }
+    Ok(is_empty)
+}
+
+/// Generates a data set in a folder with its options.
+fn generate_in(
+    options: &DatasetOptions,
+    folder: &Path,
+    par: Par,
+    progress: Progress<'_>,
+) -> Result<Dataset> {
     let jobs = jobs(options);
     let subjects = subjects(options, &jobs, par)?;
     let done = AtomicUsize::new(0);
@@ -123,14 +170,19 @@ impl Found {
 
 /// Creates the folder if necessary, and checks that it belongs to these options.
 fn prepare(folder: &Path, options: &str) -> Result<()> {
-    let name = folder.join("options.txt");
+    let name = folder.join(OPTIONS);
     let failed = |e: std::io::Error| Error::io(&name, e);
     fs::create_dir_all(folder).map_err(failed)?;
     match fs::read_to_string(&name) {
         Ok(there) if there == options => Ok(()),
         Ok(_) => Err(Error::file(&name, "the folder belongs to a data set with other options")),
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
-            remove_shapes(folder).map_err(failed)?;
+            let unfinished = unfinished(folder)?;
+            if let Some(other) = names(folder)?.iter().find(|path| !unfinished.contains(path)) {
+                let other = other.file_name().unwrap_or_default().display();
+                let why = format!("has {other}, but no {OPTIONS}: is no folder of finished shapes");
+                return Err(Error::file(folder, why));
+            }
             let mut output = Output::create(&name, Overwrite::Replace)?;
             output.write_all(options.as_bytes()).map_err(|e| output.error(e))?;
             output.commit()
@@ -139,19 +191,43 @@ fn prepare(folder: &Path, options: &str) -> Result<()> {
     }
 }
 
-/// Removes shapes of unknown options, which remain when a program is killed during the removal of
-/// the folder. Other files are not removed.
-fn remove_shapes(folder: &Path) -> std::io::Result<()> {
-    for entry in fs::read_dir(folder)? {
-        let entry = entry?;
-        let name = entry.file_name();
-        let number =
-            name.to_str().and_then(|name| name.strip_prefix("shape")?.strip_suffix(".npz"));
-        if number.is_some_and(|number| number.bytes().all(|b| b.is_ascii_digit())) {
-            fs::remove_file(entry.path())?;
-        }
-    }
-    Ok(())
+/// Returns the paths of everything in a folder, sorted.
+fn names(folder: &Path) -> Result<Vec<PathBuf>> {
+    let entries = fs::read_dir(folder).and_then(|entries| {
+        entries.map(|entry| entry.map(|entry| entry.path())).collect::<std::io::Result<Vec<_>>>()
+    });
+    let mut paths = entries.map_err(|e| Error::io(folder, e))?;
+    paths.sort_unstable();
+    Ok(paths)
+}
+
+/// Returns the paths of the finished shapes in a folder.
+fn shapes(folder: &Path) -> Result<Vec<PathBuf>> {
+    let is_number = |text: &str| text.len() >= 5 && text.bytes().all(|b| b.is_ascii_digit());
+    named(folder, "shape", ".npz", is_number)
+}
+
+/// Returns the paths of the files in a folder that a killed program has begun; see [`Output`].
+fn unfinished(folder: &Path) -> Result<Vec<PathBuf>> {
+    let is_hash = |text: &str| text.len() == 16 && text.bytes().all(|b| b.is_ascii_hexdigit());
+    named(folder, ".catamaran-", ".tmp", is_hash)
+}
+
+/// Returns the paths of the files in a folder whose names have this prefix and suffix, and a text
+/// between them that `is_ours` accepts.
+fn named(
+    folder: &Path,
+    prefix: &str,
+    suffix: &str,
+    is_ours: impl Fn(&str) -> bool,
+) -> Result<Vec<PathBuf>> {
+    let mut paths = names(folder)?;
+    paths.retain(|path| {
+        let name = path.file_name().and_then(|name| name.to_str());
+        let between = name.and_then(|name| name.strip_prefix(prefix)?.strip_suffix(suffix));
+        between.is_some_and(&is_ours) && path.is_file()
+    });
+    Ok(paths)
 }
 
 /// Returns the results for a shape: those that are stored, or new ones.
@@ -164,7 +240,10 @@ fn shape(
 ) -> Result<Found> {
     let file: PathBuf = folder.join(format!("shape{number:05}.npz"));
     if file.exists() {
-        return read_found(&file);
+        let family = subject.filter(|_| job.parts == Parts::Common).map(|subject| &subject.cuts);
+        let vertices = subject.filter(|_| job.parts != Parts::Common);
+        let vertices = vertices.map_or(0, |subject| subject.model.mirror().len());
+        return read_found(&file, family, vertices);
     }
     let found = match subject {
         None => {
@@ -199,18 +278,33 @@ fn shape(
     Ok(found)
 }
 
-fn read_found(file: &Path) -> Result<Found> {
+/// Reads the results for a shape. `family` has its cuts if they are those of its family. Otherwise
+/// the file has masks of this number of `vertices`, or none if it is 0.
+fn read_found(file: &Path, family: Option<&Cuts>, vertices: usize) -> Result<Found> {
     let arrays = read_arrays(file)?;
     let (masks, mask_words) = (arrays.indices("masks")?, arrays.indices("mask_words")?);
     let spectra = arrays.matrix("spectra")?;
     let (pairs, areas) = (arrays.indices("pairs")?, arrays.vector("areas")?);
     let count = masks.len() + 1;
-    if spectra.shape() != (count, EIGENVALUES) || areas.len() != count {
-        return Err(Error::file(file, "does not belong to this data set"));
+    let pair = |ids: &[usize]| Pair { parts: [ids[0], ids[1]], union: ids[2] };
+    let triples = pairs.chunks_exact(3);
+    let are_triples = triples.remainder().is_empty();
+    let pairs: Vec<Pair> = triples.map(pair).collect();
+    let is_known = |id: &usize| masks.binary_search(id).is_ok();
+    let are_known = |pair: &Pair| pair.parts.iter().chain([&pair.union]).all(is_known);
+    let is_sound = [
+        ("masks", masks.is_sorted_by(|a, b| a < b)),
+        ("masks", family.is_none_or(|family| masks.iter().eq(family.masks.keys()))),
+        ("mask_words", mask_words.len() == masks.len() * vertices.div_ceil(WORD)),
+        ("spectra", spectra.shape() == (count, EIGENVALUES)),
+        ("areas", areas.len() == count),
+        ("pairs", are_triples && pairs.iter().all(are_known)),
+        ("pairs", family.is_none_or(|family| pairs == family.pairs)),
+    ];
+    if let Some((array, _)) = is_sound.iter().find(|(_, is_sound)| !is_sound) {
+        return Err(Error::file(file, format!("`{array}`: does not belong to this data set")));
     }
     let row = |i: usize| std::array::from_fn(|j| spectra[(i, j)]);
-    let pair = |ids: &[usize]| Pair { parts: [ids[0], ids[1]], union: ids[2] };
-    let pairs = pairs.chunks_exact(3).map(pair).collect();
     Ok(Found { pairs, masks, mask_words, spectra: (0..count).map(row).collect(), areas })
 }
 
@@ -374,18 +468,82 @@ mod tests {
     #[test]
     fn shapes_of_unknown_options_are_not_taken_over() {
         let folder = tempfile::tempdir().unwrap();
-        let folder = folder.path();
-        prepare(folder, "one").unwrap();
+        let folder = folder.path().join("set.npz.parts");
+        prepare(&folder, "one").unwrap();
         let shape = folder.join("shape00000.npz");
         fs::write(&shape, "of one").unwrap();
-        prepare(folder, "one").unwrap();
-        assert!(shape.exists() && prepare(folder, "two").is_err());
-        let other = folder.join("shapes.npz");
-        fs::write(&other, "not ours").unwrap();
-        // The state that remains when the removal of the folder is interrupted.
-        fs::remove_file(folder.join("options.txt")).unwrap();
-        prepare(folder, "two").unwrap();
-        assert!(!shape.exists() && other.exists());
+        prepare(&folder, "one").unwrap();
+        assert!(prepare(&folder, "two").unwrap_err().to_string().contains("other options"));
+        fs::remove_file(folder.join(OPTIONS)).unwrap();
+        let refused = prepare(&folder, "two").unwrap_err().to_string();
+        let says = "set.npz.parts: has shape00000.npz, but no options.txt";
+        assert!(refused.contains(says) && shape.exists(), "{refused}");
+    }
+
+    #[test]
+    fn only_the_files_of_a_data_set_are_removed() {
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path().join("set.npz.parts");
+        // What a program leaves that is killed while it writes the options.
+        let unfinished = ".catamaran-0123456789abcdef.tmp";
+        fs::create_dir(&folder).unwrap();
+        fs::write(folder.join(unfinished), "").unwrap();
+        prepare(&folder, "one").unwrap();
+        let others = ["notes.md", "shape.npz", "shape1.npz", "shapes.npz"];
+        for name in ["shape00000.npz", "shape123456.npz"].iter().chain(&others) {
+            fs::write(folder.join(name), "").unwrap();
+        }
+        assert!(!remove_shapes(&folder).unwrap());
+        assert_eq!(names(&folder).unwrap(), others.map(|name| folder.join(name)));
+        others.iter().for_each(|name| fs::remove_file(folder.join(name)).unwrap());
+        prepare(&folder, "one").unwrap();
+        assert!(remove_shapes(&folder).unwrap() && !folder.exists());
+    }
+
+    #[test]
+    fn options_that_are_refused_do_not_refuse_others() {
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path().join("set.npz.parts");
+        let small = DatasetOptions { vertices: 3, ..tiny() };
+        let refused = generate(&small, &folder, Par::Seq, Progress::none()).unwrap_err();
+        assert!(matches!(refused, Error::Argument { what: "vertices", .. }), "{refused}");
+        assert!(!folder.exists());
+    }
+
+    #[test]
+    fn damaged_shapes_are_refused_with_their_array() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("shape00000.npz");
+        let spectra = catamaran::faer::Mat::<f64>::full(3, EIGENVALUES, 1.0);
+        let read = |pairs: &[usize], masks: &[usize], words: &[usize], areas: &[f64]| {
+            let mut writer =
+                ArraysWriter::new(Output::create(&file, Overwrite::Replace).unwrap()).unwrap();
+            for (name, array) in [
+                ("pairs", Array::Indices(pairs)),
+                ("masks", Array::Indices(masks)),
+                ("mask_words", Array::Indices(words)),
+                ("spectra", Array::Matrix(spectra.as_ref())),
+                ("areas", Array::Vector(areas)),
+            ] {
+                writer.array(name, array).unwrap();
+            }
+            writer.finish().unwrap();
+            // Masks of 65 vertices have two words.
+            read_found(&file, None, 65).map(|found| found.pairs.len()).map_err(|e| e.to_string())
+        };
+        let (masks, words, areas) = ([4, 7], [0; 4], [1.0; 3]);
+        assert_eq!(read(&[4, 7, 7], &masks, &words, &areas), Ok(1));
+        for (found, array) in [
+            (read(&[4, 7], &masks, &words, &areas), "`pairs`"),
+            (read(&[4, 7, 8], &masks, &words, &areas), "`pairs`"),
+            (read(&[4, 7, 7], &[7, 4], &words, &areas), "`masks`"),
+            (read(&[4, 7, 7], &masks, &words[1..], &areas), "`mask_words`"),
+            (read(&[4, 7, 7], &masks, &words, &areas[1..]), "`areas`"),
+            (read(&[], &[4], &words[2..], &areas), "`spectra`"),
+        ] {
+            let refused = found.unwrap_err();
+            assert!(refused.contains("shape00000.npz") && refused.contains(array), "{refused}");
+        }
     }
 
     #[test]

@@ -9,7 +9,7 @@ use catamaran::faer::Mat;
 use catamaran_geometry::mesh::TriMesh;
 
 pub use file::{read, write};
-pub use generate::generate;
+pub use generate::{generate, remove_shapes};
 pub use plan::DatasetOptions;
 
 /// Number of eigenvalues of every spectrum.

@@ -137,7 +137,7 @@ pub struct Examples {
     /// Pairs of the training; those that several shapes share and those with a complete union are
     /// repeated 4 times.
     pub training: Vec<Pair>,
-    /// Pairs of the validation, repeated likewise.
+    /// Pairs of the validation, repeated likewise; those of the training if there are no others.
     pub validation: Vec<Pair>,
     /// For each pair of the training and each of its parts, the number of a pair whose union is
     /// this part.
@@ -240,6 +240,12 @@ impl Examples {
         let regions = Regions::none(localizer.modes());
         let (composites, all_familiar) = (vec![], true);
         Ok(Self { training, validation, makers, composites, all_familiar, regions, localizer })
+    }
+
+    /// Returns whether the pairs of the training are those of the validation too, because the data
+    /// set is too small for others: then errors of the validation are too small.
+    pub fn validates_on_training(&self) -> bool {
+        self.validation == self.training
     }
 
     /// Returns whether a pair is of the kind of shape that the network is for, given whether its

@@ -51,10 +51,13 @@ impl TrainOptions {
     pub fn check(&self) -> Result<()> {
         self.sizes.check()?;
         let refuse = |what, why| Err(catamaran::Error::Argument { what, why });
-        if !(1..=MOST_IN_BATCH).contains(&self.batch) {
+        if !(TASK..=MOST_IN_BATCH).contains(&self.batch) || !self.batch.is_multiple_of(TASK) {
             return refuse(
                 "batch",
-                format!("must be from 1 to {MOST_IN_BATCH}, is {}", self.batch),
+                format!(
+                    "must be a multiple of {TASK} from {TASK} to {MOST_IN_BATCH}, is {}",
+                    self.batch
+                ),
             );
         }
         for (what, value) in [("rate", self.rate), ("decay", self.decay)] {
@@ -219,7 +222,7 @@ impl Trainer {
             regions: vec![None; TASK],
             error: 0.0,
         };
-        let workers = (0..options.batch.div_ceil(TASK).max(1)).map(|_| worker()).collect();
+        let workers = (0..options.batch / TASK).map(|_| worker()).collect();
         let team = match par.threads() {
             1 => None,
             threads => Some(ThreadPool::new(threads, Pin::No)?),

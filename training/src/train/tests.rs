@@ -292,6 +292,7 @@ fn unions_that_test_are_not_trained_on() {
     set.samples.mask1 = (0..40).collect();
     let examples = Examples::new(&set, Par::Seq).unwrap();
     assert_eq!(examples.training.len(), 30);
+    assert!(examples.validates_on_training());
     assert!(examples.training.iter().all(|pair| pair.union != pairs[2].union
         || pairs.iter().enumerate().any(|(i, other)| i % 4 != 2 && other.first == pair.first)));
 }

@@ -134,11 +134,6 @@ impl Numbers {
     }
 }
 
-/// Returns bits that are equal where the numbers are: adding zero turns -0 into 0.
-pub(super) fn bits<const N: usize>(values: [f64; N]) -> [u64; N] {
-    values.map(|x| (x + 0.0).to_bits())
-}
-
 /// A mesh that is being read.
 #[derive(Default)]
 pub(super) struct Draft {

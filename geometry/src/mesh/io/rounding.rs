@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::super::TriMesh;
 use super::super::measure::is_flat;
-use super::super::vector::{Vector, add, middle, sub};
+use super::super::vector::{Vector, add, bits, middle, sub};
 use catamaran::base::{Error, Result, reserved};
 
 /// Coordinates are relative to the middle of a mesh where they then are at least this many times
@@ -111,13 +111,10 @@ impl Rounding {
 
     /// Returns the number of vertices that meet another one, from which they were apart.
     fn meetings(&self, mesh: &TriMesh) -> Result<usize> {
-        // Adding zero turns -0 into 0.
-        let key = |p: Vector| {
-            let place = self.single(p).map(|x| (x + 0.0).to_bits());
-            (place, p.map(|x| (x + 0.0).to_bits()))
-        };
         let mut keys = reserved(mesh.vertices().len())?;
-        keys.extend(mesh.vertices().iter().map(|&p| key(p)));
+        keys.extend(
+            mesh.vertices().iter().map(|&p| (bits(self.single(p).map(f64::from)), bits(p))),
+        );
         keys.sort_unstable();
         Ok(keys.windows(2).filter(|pair| pair[0].0 == pair[1].0 && pair[0].1 != pair[1].1).count())
     }

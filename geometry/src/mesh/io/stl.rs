@@ -4,8 +4,9 @@ use std::io::{self, BufRead, Read, Write};
 use std::iter::Peekable;
 
 use super::super::TriMesh;
+use super::super::vector::bits;
 use super::attributes::MeshFile;
-use super::draft::{Checked, Draft, Fault, Numbers, bits};
+use super::draft::{Checked, Draft, Fault, Numbers};
 use super::text::{quoted, words};
 use catamaran::base::{Result, room};
 use catamaran::io::Source;

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::super::io::{Attribute, Labels, MeshFile};
+use super::super::vector::bits;
 use super::super::{Part, TriMesh, has_corner_twice};
 use catamaran::base::{Result, Sets};
 
@@ -196,11 +197,6 @@ impl Rebuild {
 /// Returns whether two values are equal; two absent values are equal.
 fn same<const N: usize>(a: Option<[f64; N]>, b: Option<[f64; N]>) -> bool {
     a.map(bits) == b.map(bits)
-}
-
-fn bits<const N: usize>(value: [f64; N]) -> [u64; N] {
-    // Adding zero turns -0 into 0.
-    value.map(|x| (x + 0.0).to_bits())
 }
 
 /// Gives corners with equal values at one vertex the same index: their faces are on the same side

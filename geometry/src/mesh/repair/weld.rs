@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::super::vector::{Vector, distance};
+use super::super::vector::{Vector, bits, distance};
 use super::super::{Edges, TriMesh};
 use catamaran::base::{Result, Sets, at_least_zero};
 
@@ -18,9 +18,7 @@ pub(in crate::mesh) fn representatives(points: &[Vector], tolerance: f64) -> Res
 
 fn equal(points: &[Vector]) -> Vec<u32> {
     let mut first: HashMap<[u64; 3], u32> = HashMap::with_capacity(points.len());
-    // Adding zero turns -0 into 0.
-    let key = |p: &Vector| p.map(|x| (x + 0.0).to_bits());
-    points.iter().zip(0..).map(|(p, v)| *first.entry(key(p)).or_insert(v)).collect()
+    points.iter().zip(0..).map(|(&p, v)| *first.entry(bits(p)).or_insert(v)).collect()
 }
 
 /// Returns the representatives by a grid of boxes twice as wide as the tolerance. The distance

@@ -5,6 +5,7 @@ use faer::{Mat, MatRef};
 use super::by_rows;
 use super::shot::nearest_two;
 use crate::mesh::{Dijkstra, Graph, SearchLimits, TriMesh, vertex_areas};
+use crate::spectral::dense::check_finite;
 use catamaran::base::{Error, Par, Progress, Result, at_least, builder, positive};
 
 /// Number of vertices that a thread takes at a time.
@@ -80,11 +81,7 @@ pub fn geodesic_rings(
     let &RingOptions { radius, rings, par, progress } = options;
     let (n, c) = (mesh.vertices().len(), functions.ncols());
     Error::check_shape("functions", (n, c), (functions.nrows(), c))?;
-    for j in 0..c {
-        if let Some(i) = (0..n).find(|&i| !functions[(i, j)].is_finite()) {
-            return Err(Error::NonFinite { what: "functions", index: (i, j) });
-        }
-    }
+    check_finite("functions", functions)?;
     positive("radius", radius)?;
     at_least("rings", rings, 1)?;
     let areas = vertex_areas(mesh);

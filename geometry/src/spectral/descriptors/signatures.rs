@@ -2,6 +2,7 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef};
 
 use super::by_rows;
+use crate::spectral::dense::check_finite;
 use catamaran::base::{Error, Par, Progress, Result, positive};
 
 /// Number of rows that are processed together.
@@ -269,14 +270,8 @@ fn positive_range(values: &[f64]) -> Result<(f64, f64)> {
 
 fn check(values: &[f64], vectors: MatRef<'_, f64>) -> Result<()> {
     check_values(values)?;
-    let (n, k) = vectors.shape();
-    Error::check_shape("eigenvectors", (n, values.len()), (n, k))?;
-    for j in 0..k {
-        if let Some(i) = (0..n).find(|&i| !vectors[(i, j)].is_finite()) {
-            return Err(Error::NonFinite { what: "eigenvectors", index: (i, j) });
-        }
-    }
-    Ok(())
+    Error::check_shape("eigenvectors", (vectors.nrows(), values.len()), vectors.shape())?;
+    check_finite("eigenvectors", vectors)
 }
 
 fn check_values(values: &[f64]) -> Result<()> {

@@ -190,6 +190,17 @@ fn angles_of_an_mtg_turn_branches() {
     let plant = plant_of("Length\tDiam\tInsertion\tAzimuth", rows);
     assert_near(&plant.segments()[1].tail, &[2.0, 0.0, 1.0]);
     assert_near(&plant.segments()[2].tail, &[0.0, 2.0, 1.0]);
+    // Without an azimuth, each branch is turned by the golden angle from the one before, whether
+    // or not it has an insertion angle.
+    let rows = "/P1/A1/U1/E1\t\t\t1\t.1\n\t+E1\t\t2\t.1\t90\n\t+E1\t\t2\t.1\t90\n\
+                \t+E1\t\t2\t.1\n";
+    let plant = plant_of("Length\tDiam\tInsertion", rows);
+    for (v, insertion) in [(1, 90.0_f64), (2, 90.0), (3, 45.0)] {
+        let (sine, cosine) = (137.507_764 * v as f64).to_radians().sin_cos();
+        let (out, up) = insertion.to_radians().sin_cos();
+        let tail = [2.0 * out * cosine, 2.0 * out * sine, 1.0 + 2.0 * up];
+        assert_near(&plant.segments()[v].tail, &tail);
+    }
 }
 
 #[test]

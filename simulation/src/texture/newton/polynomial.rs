@@ -83,8 +83,6 @@ impl Polynomial {
 /// a basin each; `None` if there are no multiple roots. Eigenvalues are one root if the polynomial
 /// of that root has the given coefficients.
 fn merged(coefficients: &[c64], eigenvalues: &[c64]) -> Option<Vec<c64>> {
-    /// The largest and the smallest distance to the next eigenvalue of a multiple root, as parts
-    /// of the size of the largest one.
     /// The largest and the smallest distance between neighbours around a multiple root, as parts of
     /// the size of the largest root.
     const FARTHEST: f64 = 0.3;

@@ -39,9 +39,9 @@ impl Pattern {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Shape`].
+    /// [`Error::Shape`] unless the texture has `size` times `size` values.
     pub fn of(texture: &[f32], size: usize, threshold: f32) -> Result<Self> {
-        Error::check_shape("texture", (size, size), (texture.len() / size.max(1), size))?;
+        Error::check_shape("texture", (size.saturating_mul(size), 1), (texture.len(), 1))?;
         let covered: Vec<bool> = texture.iter().map(|&p| p > threshold).collect();
         let mut sets = Sets::new(covered.len());
         let mut perimeter = 0_usize;
@@ -95,5 +95,15 @@ mod tests {
         assert_eq!((p.thickness, p.gap), (768.0 / 224.0, 1280.0 / 224.0));
         let empty = Pattern::of(&[], 0, 0.1).unwrap();
         assert_eq!((empty.covered, empty.cells), (0.0, 0));
+    }
+
+    #[test]
+    fn a_texture_of_another_size_is_refused() {
+        for count in [0, 15, 17, 19, 20] {
+            let refused = Pattern::of(&vec![0.0; count], 4, 0.1).unwrap_err();
+            let expected = Error::Shape { what: "texture", expected: (16, 1), got: (count, 1) };
+            assert_eq!(refused, expected);
+        }
+        assert!(Pattern::of(&[0.0], 0, 0.1).is_err());
     }
 }

@@ -1,8 +1,9 @@
 //! Joins the primitives of a file into one mesh.
 
 use super::super::super::has_corner_twice;
+use super::super::super::vector::bits;
 use super::super::attributes::{Attribute, MeshFile};
-use super::super::draft::{Checked, Draft, Numbers, bits};
+use super::super::draft::{Checked, Draft, Numbers};
 use super::super::labels::{Labels, clean_name};
 use super::document::Document;
 use catamaran::base::{Result, push, reserved, room};

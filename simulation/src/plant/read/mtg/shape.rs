@@ -54,7 +54,8 @@ pub(super) fn plant(graph: &Graph, chosen: Range<usize>, lines: &Lines<'_>) -> R
     let mut base = (!positioned).then_some([0.0; 3]);
     let (mut segments, mut parents): (Vec<Segment>, Vec<Option<u32>>) = (vec![], vec![]);
     let (mut radii, mut frames) = (Vec::new(), Vec::<Frame>::new());
-    let (mut total, mut guessed) = (0.0, 0);
+    // Branches without an insertion angle, and those without an azimuth.
+    let (mut total, mut guessed, mut unturned) = (0.0, 0, 0);
     // For each component: the last segment up to it, and the turns since.
     let mut nodes: Vec<Option<u32>> = Vec::with_capacity(parts.len());
     let mut turns: Vec<Turn> = Vec::with_capacity(parts.len());
@@ -77,7 +78,8 @@ pub(super) fn plant(graph: &Graph, chosen: Range<usize>, lines: &Lines<'_>) -> R
             (None, Some(length)) if !positioned => {
                 let frame = above.map_or(UPRIGHT, |p| frames[p as usize]);
                 guessed += usize::from(turn.branch && turn.insertion.is_none());
-                let frame = turned(frame, turn, guessed);
+                unturned += usize::from(turn.branch && turn.azimuth.is_none());
+                let frame = turned(frame, turn, unturned);
                 (add(head.unwrap_or_default(), scale(frame[0], length)), frame)
             }
             _ => continue,
@@ -199,7 +201,7 @@ fn sizes(components: &[Component]) -> Vec<Size> {
     sizes
 }
 
-/// Returns the frame after a turn; `number` counts the branches without angles.
+/// Returns the frame after a turn; `number` counts the branches without an azimuth.
 fn turned([along, side]: Frame, turn: Turn, number: usize) -> Frame {
     let default = if turn.branch { DEFAULT_INSERTION } else { 0.0 };
     let insertion = turn.insertion.unwrap_or(default);
