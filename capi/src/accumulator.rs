@@ -9,7 +9,7 @@ use super::pointer::{
     self, Layout, free, hand_over, matrix, matrix_mut, optional_slice, optional_slice_mut, output,
     slice, uplo_from,
 };
-use super::progress::{Caller, cata_progress};
+use super::progress::{self, Caller, cata_progress};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use catamaran::io::{Output, Overwrite, RowFile, read_accumulator, write_accumulator};
 use catamaran::rows::{Accumulator, DenseRows, ExtendedGram, RowBlocks, RowBounds};
@@ -341,9 +341,13 @@ pub unsafe extern "C" fn cata_accumulator_lstsq(
                 read_or_zeros("params", params)?,
             )
         };
-        let options = outputs.options(&params)?;
-        let gram = own.extended()?;
-        outputs.write(&LeastSquares::from_gram(&gram, k, &options)?, &options, &params)
+        let par = own.threads(params.threads);
+        let options = outputs.options(&params)?.par(par);
+        let found = params.caller().reported(|_| {
+            let gram = own.extended(par)?;
+            Ok(LeastSquares::from_gram(&gram, k, &options)?)
+        })?;
+        outputs.write(&found, &options, &params)
     })
 }
 
@@ -379,8 +383,13 @@ pub unsafe extern "C" fn cata_accumulator_pca(
                 ComponentOutputs::new(layout, n, count, components, ldcomponents, vectors)?;
             (own, outputs, read_or_zeros("params", params)?)
         };
-        let options = outputs.options(&params)?;
-        outputs.write(&PrincipalComponents::from_gram(&own.extended()?, &options)?);
+        let par = own.threads(params.threads);
+        let options = outputs.options(&params)?.par(par);
+        let found = params.caller().reported(|_| {
+            let gram = own.extended(par)?;
+            Ok(PrincipalComponents::from_gram(&gram, &options)?)
+        })?;
+        outputs.write(&found);
         Ok(())
     })
 }
@@ -415,8 +424,14 @@ impl cata_accumulator {
         Ok(done?)
     }
 
-    fn extended(&self) -> Result<ExtendedGram, Failure> {
-        Ok(self.sum.try_clone()?.finish_extended(self.par)?)
+    /// Returns the threads of a call that has parameters of its own: those of the accumulator
+    /// for 0.
+    fn threads(&self, threads: usize) -> Par {
+        if threads == 0 { self.par } else { progress::par(threads) }
+    }
+
+    fn extended(&self, par: Par) -> Result<ExtendedGram, Failure> {
+        Ok(self.sum.try_clone()?.finish_extended(par)?)
     }
 
     fn check(&self) -> Result<(), Failure> {

@@ -23,7 +23,7 @@ use super::ortho::{
 use super::outputs::tell;
 use super::params::{Params, init, or_default, params, with_params};
 use super::pointer::{
-    Layout, free, hand_over, known, matrix, matrix_mut, output, slice, slice_mut,
+    Layout, check_leading, free, hand_over, known, matrix, matrix_mut, output, slice, slice_mut,
 };
 use super::progress::{cata_progress, reported};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
@@ -143,13 +143,14 @@ pub unsafe extern "C" fn cata_basis_new(
     basis: *mut *mut cata_basis,
 ) -> cata_status {
     boundary(|| {
-        // SAFETY: clause `memory` (`masses`, `n` elements; `eigenvalues`, `k` elements; `v`, n x k;
-        // `basis`, one value).
+        check_leading("ldv", "eigenvectors", Layout::ColMajor, [n, k], ldv)?;
+        // SAFETY: clause `memory` (`masses`, `n` elements; `eigenvalues`, `k` elements;
+        // `eigenvectors`, n x k; `basis`, one value).
         let (masses, values, vectors, place) = unsafe {
             (
                 slice("masses", masses, n)?,
                 slice("eigenvalues", eigenvalues, k)?,
-                matrix("v", Layout::ColMajor, n, k, eigenvectors, ldv)?,
+                matrix("eigenvectors", Layout::ColMajor, n, k, eigenvectors, ldv)?,
                 output("basis", basis)?,
             )
         };

@@ -548,12 +548,12 @@ pub(super) unsafe fn with_options<X>(
         };
         let locked: &[u32] = match params.n_locked {
             0 => &[],
-            // SAFETY: clause `structs` (`params.locked`, `n_locked` elements).
+            // SAFETY: clause `memory` (`params.locked`, `n_locked` elements).
             count => unsafe { slice("params.locked", params.locked, count) }?,
         };
         let density: &[f64] = match params.n_density {
             0 => &[],
-            // SAFETY: clause `structs` (`params.density`, `n_density` elements).
+            // SAFETY: clause `memory` (`params.density`, `n_density` elements).
             count => unsafe { slice("params.density", params.density, count) }?,
         };
         let curvature = if params.curvature == 0.0 { default.curvature } else { params.curvature };

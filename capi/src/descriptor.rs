@@ -16,7 +16,7 @@ use faer::MatRef;
 use super::boundary::boundary;
 use super::outputs::fill;
 use super::params::{Params, flag, init, params, read_or_zeros};
-use super::pointer::{Layout, matrix, matrix_mut, mesh, output, slice, slice_mut};
+use super::pointer::{Layout, check_leading, matrix, matrix_mut, mesh, output, slice, slice_mut};
 use super::progress::cata_progress;
 use super::status::{Failure, cata_status};
 use catamaran_geometry::spectral::descriptors::{
@@ -392,11 +392,12 @@ impl Pairs<'_> {
         eigenvectors: *const f64,
         ldv: usize,
     ) -> Result<Self, Failure> {
-        // SAFETY: clause `memory` (`eigenvalues`, `k` elements; `v`, n x k).
+        check_leading("ldv", "eigenvectors", layout, [n, k], ldv)?;
+        // SAFETY: clause `memory` (`eigenvalues`, `k` elements; `eigenvectors`, n x k).
         unsafe {
             Ok(Self {
                 values: slice("eigenvalues", eigenvalues, k)?,
-                vectors: matrix("v", layout, n, k, eigenvectors, ldv)?,
+                vectors: matrix("eigenvectors", layout, n, k, eigenvectors, ldv)?,
             })
         }
     }

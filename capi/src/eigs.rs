@@ -18,7 +18,8 @@ use super::boundary::boundary;
 use super::outputs::fill_slice;
 use super::params::{Params, flag, init, or_default, params, with_params};
 use super::pointer::{
-    Layout, check_size, matrix_mut, optional_slice, optional_slice_mut, output, slice_mut, sparse,
+    Layout, check_leading, check_size, matrix_mut, optional_slice, optional_slice_mut, output,
+    slice_mut, sparse,
 };
 use super::progress::{cata_progress, reported};
 use super::status::{Failure, cata_status};
@@ -337,12 +338,13 @@ impl<'a> Outputs<'a> {
         residuals: *mut f64,
     ) -> Result<Self, Failure> {
         check_size::<f64>("eigenvectors", n, k)?;
-        // SAFETY: clause `memory` (`eigenvalues`, `k` elements; `v`, n x k; `residuals`, `k`
-        // elements).
+        check_leading("ldv", "eigenvectors", Layout::ColMajor, [n, k], ldv)?;
+        // SAFETY: clause `memory` (`eigenvalues`, `k` elements; `eigenvectors`, n x k; `residuals`,
+        // `k` elements).
         unsafe {
             Ok(Self {
                 values: slice_mut("eigenvalues", eigenvalues, k)?,
-                vectors: matrix_mut("v", Layout::ColMajor, n, k, eigenvectors, ldv)?,
+                vectors: matrix_mut("eigenvectors", Layout::ColMajor, n, k, eigenvectors, ldv)?,
                 residuals: optional_slice_mut("residuals", residuals, k)?,
             })
         }

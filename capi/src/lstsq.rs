@@ -18,7 +18,8 @@ use super::gram::extended;
 use super::outputs::{fill, fill_slice};
 use super::params::{Params, flag, init, or_default, params, read_or_zeros, results, versioned};
 use super::pointer::{
-    Layout, matrix, optional_matrix_mut, optional_output, optional_slice, optional_slice_mut, put,
+    Layout, check_leading, matrix, optional_matrix_mut, optional_output, optional_slice,
+    optional_slice_mut, put,
 };
 use super::progress::cata_progress;
 use super::status::{Failure, cata_status};
@@ -289,17 +290,24 @@ impl LeastSquaresOutputs<'_> {
         // describes them), clause `structs` (`result`).
         unsafe {
             let arrays = results("result", result)?;
-            // An error of the leading dimension names that of X, which is the same argument.
-            let matrix = |place| optional_matrix_mut("x", layout, n, k, place, ldx);
+            let matrix = |what, place: *mut f64| {
+                if !place.is_null() {
+                    check_leading("ldx", what, layout, [n, k], ldx)?;
+                }
+                optional_matrix_mut(what, layout, n, k, place, ldx)
+            };
             let numbers = |what, place| optional_slice_mut(what, place, k);
             // More than that exceed the address space, which is then said.
             let size = (n + 1).saturating_mul(n + 1).saturating_mul(k);
             Ok(Self {
-                standard_errors: matrix(arrays.standard_errors)?,
-                x: matrix(x)?,
-                t: matrix(arrays.t_statistics)?,
-                p: matrix(arrays.p_values)?,
-                ends: [matrix(arrays.lower)?, matrix(arrays.upper)?],
+                standard_errors: matrix("result.standard_errors", arrays.standard_errors)?,
+                x: matrix("x", x)?,
+                t: matrix("result.t_statistics", arrays.t_statistics)?,
+                p: matrix("result.p_values", arrays.p_values)?,
+                ends: [
+                    matrix("result.lower", arrays.lower)?,
+                    matrix("result.upper", arrays.upper)?,
+                ],
                 residual_norms: numbers("result.residual_norms", arrays.residual_norms)?,
                 r_squared: numbers("result.r_squared", arrays.r_squared)?,
                 intercepts: numbers("result.intercepts", arrays.intercepts)?,

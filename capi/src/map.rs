@@ -4,10 +4,11 @@ use faer::MatRef;
 
 use super::basis::{Functions, cata_basis, cata_basis_params, with_basis_options};
 use super::boundary::boundary;
-use super::outputs::{fill_slice, tell};
+use super::outputs::fill_slice;
 use super::params::flag;
 use super::pointer::{
-    Layout, free, hand_over, known, known_mut, matrix, matrix_mut, mesh, output, slice, slice_mut,
+    Layout, free, hand_over, known, known_mut, matrix, matrix_mut, mesh, optional_output, output,
+    put, slice, slice_mut,
 };
 use super::progress::reported;
 use super::status::{Failure, cata_status};
@@ -343,13 +344,23 @@ pub unsafe extern "C" fn cata_map_search(
         // SAFETY: clause `passed on` (`eigenbases`).
         let (source, target) = unsafe { eigenbases(source, target) }?;
         let [n, m] = [source, target].map(|eigen| eigen.basis().vertices());
-        // SAFETY: clause `memory` (`is_ambiguous`, one value).
-        let ambiguous = unsafe { output("is_ambiguous", is_ambiguous)? };
+        // SAFETY: clause `memory` (`is_ambiguous`, `commutativity`, `next`, `orientation`, one
+        // value each).
+        let (ambiguous, commutativity, next, orientation) = unsafe {
+            (
+                output("is_ambiguous", is_ambiguous)?,
+                optional_output("commutativity", commutativity)?,
+                optional_output("next", next)?,
+                optional_output("orientation", orientation)?,
+            )
+        };
         // SAFETY: clause `memory` (the meshes, 3 numbers a vertex and 3 indices a face; `map`,
         // `target.len()` x `source.len()`), clause `passed on` (`points_out`).
         let (from, to, mut map, points) = unsafe {
-            let from = mesh(n, source_vertices, n_source_faces, source_faces)?;
-            let to = mesh(m, target_vertices, n_target_faces, target_faces)?;
+            let from = mesh(n, source_vertices, n_source_faces, source_faces)
+                .map_err(|failure| failure.of("source"))?;
+            let to = mesh(m, target_vertices, n_target_faces, target_faces)
+                .map_err(|failure| failure.of("target"))?;
             let map = matrix_mut("map", layout, target.len(), source.len(), map, ldmap)?;
             (from, to, map, points_out(points, target)?)
         };
@@ -366,14 +377,9 @@ pub unsafe extern "C" fn cata_map_search(
             })
         }?;
         *ambiguous = i32::from(found.is_ambiguous());
-        // SAFETY: clause `memory` (`commutativity`, `next`, `orientation`, one value each).
-        unsafe {
-            tell!(
-                commutativity: found.commutativity,
-                next: found.next.unwrap_or(f64::INFINITY),
-                orientation: found.orientation,
-            );
-        }
+        put(commutativity, found.commutativity);
+        put(next, found.next.unwrap_or(f64::INFINITY));
+        put(orientation, found.orientation);
         map.copy_from(&refined.map);
         fill_slice(points, &refined.points);
         Ok(())

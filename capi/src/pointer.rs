@@ -458,7 +458,7 @@ pub(super) unsafe fn mesh(
     n_faces: usize,
     faces: *const u32,
 ) -> Result<TriMesh, Failure> {
-    // SAFETY: the contract of this function is that of `mesh_arrays`.
+    // SAFETY: clause `passed on` (`mesh_arrays`).
     let (vertices, faces) = unsafe { mesh_arrays(n_vertices, vertices, n_faces, faces)? };
     Ok(TriMesh::new(vertices.to_vec(), faces.to_vec())?)
 }
@@ -520,6 +520,27 @@ pub(super) unsafe fn optional_matrix_mut<'a>(
     unsafe { matrix_mut(what, layout, rows, cols, pointer, ld) }.map(Some)
 }
 
+/// Returns an error for a leading dimension that is too small. `name` is its own, for a matrix
+/// `what` of which it is not the name after `ld`.
+pub(super) fn check_leading(
+    name: impl std::fmt::Display,
+    what: &str,
+    layout: Layout,
+    [rows, cols]: [usize; 2],
+    ld: usize,
+) -> Result<(), Failure> {
+    let (line, unit) = match layout {
+        Layout::RowMajor => (cols, "columns"),
+        Layout::ColMajor => (rows, "rows"),
+    };
+    let least = line.max(1);
+    if ld < least {
+        let why = format!("{name}: must be at least {least} ({unit} of {what}), is {ld}");
+        return Err(Failure::new(CATA_ERR_SHAPE, why));
+    }
+    Ok(())
+}
+
 /// Returns an error for a rows x cols matrix that no memory can hold.
 pub(super) fn check_size<T>(what: &str, rows: usize, cols: usize) -> Result<(), Failure> {
     Extent::new::<T>(what, Layout::RowMajor, rows, cols, cols.max(1)).map(|_| ())
@@ -545,15 +566,12 @@ impl Extent {
         cols: usize,
         ld: usize,
     ) -> Result<Self, Failure> {
-        let (lines, line, unit) = match layout {
-            Layout::RowMajor => (rows, cols, "columns"),
-            Layout::ColMajor => (cols, rows, "rows"),
+        check_leading(format_args!("ld{what}"), what, layout, [rows, cols], ld)?;
+        let (lines, line) = match layout {
+            Layout::RowMajor => (rows, cols),
+            Layout::ColMajor => (cols, rows),
         };
         let least = line.max(1);
-        if ld < least {
-            let why = format!("ld{what}: must be at least {least} ({unit} of {what}), is {ld}");
-            return Err(Failure::new(CATA_ERR_SHAPE, why));
-        }
         // A single line has no stride, nor have lines of nothing; ld may then be anything.
         let stride = if lines > 1 && line > 0 { ld } else { least };
         let len = lines.saturating_sub(1).checked_mul(stride).and_then(|len| len.checked_add(line));

@@ -232,11 +232,13 @@ pub(super) unsafe fn check<T: Held>(
                     return Err(Failure::argument("spread", any, other));
                 }
             };
-            let rounds = u32::try_from(rounds).unwrap_or(0);
+            if !(1..=1000).contains(&rounds) {
+                return Err(Failure::argument("rounds", "1 to 1000", rounds));
+            }
             let passed = output("passed", passed)?;
             let residual = optional_output("residual", residual)?;
             let tolerance = optional_output("tolerance", tolerance)?;
-            let found = verify(entrance.enter(), alpha, a, symmetric, rounds, seed)?;
+            let found = verify(entrance.enter(), alpha, a, symmetric, rounds as u32, seed)?;
             *passed = found.passed.into();
             put(residual, found.residual);
             put(tolerance, found.tolerance);

@@ -108,9 +108,8 @@ pub struct cata_slime {
     caller: Caller,
 }
 
-// SAFETY: calls of OpenCL may be made by several threads at a time, but for those that set the
-// arguments of a kernel: of the functions that take a simulation as const only the coverage does,
-// and locks them.
+// SAFETY: all functions of OpenCL are thread-safe but the one that sets an argument of a kernel.
+// Of the functions that take a const simulation, only the coverage calls it, under a lock.
 #[cfg(feature = "opencl")]
 unsafe impl Sync for cata_slime {}
 

@@ -35,11 +35,16 @@ pub unsafe extern "C" fn cata_version(
 ) -> cata_status {
     boundary(|| {
         let version = base::version();
-        let parts = [("major", major, version.major), ("minor", minor, version.minor)];
-        for (what, pointer, part) in parts.into_iter().chain([("patch", patch, version.patch)]) {
-            // SAFETY: clause `passed on` (`optional_output`).
-            put(unsafe { optional_output(what, pointer) }?, part as i32);
-        }
+        // SAFETY: clause `memory` (`major`, `minor`, `patch`, one value each).
+        let places = unsafe {
+            [
+                optional_output("major", major)?,
+                optional_output("minor", minor)?,
+                optional_output("patch", patch)?,
+            ]
+        };
+        let parts = [version.major, version.minor, version.patch];
+        places.into_iter().zip(parts).for_each(|(place, part)| put(place, part as i32));
         Ok(())
     })
 }

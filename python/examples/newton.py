@@ -12,8 +12,9 @@ for axis, w in zip(axes, (0.0, 0.4, 0.8)):
     speed = found.convergence
     share = (speed - speed.min()) / np.ptp(speed)
     colors = plt.get_cmap("turbo")((found.roots % 25) / 24.0)[..., :3]
+    # The plane is `extent` wide, and row 0 has the largest y.
     axis.imshow(
-        colors * (1 - 0.85 * share[..., None]), origin="lower", extent=(-1.6, 1.6, -1.6, 1.6)
+        colors * (1 - 0.85 * share[..., None]), origin="upper", extent=(-0.8, 0.8, -0.8, 0.8)
     )
     axis.set_title(f"w = {w}", fontsize=10)
     axis.set(xlabel="x", ylabel="y")

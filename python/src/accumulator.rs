@@ -166,6 +166,19 @@ fn copy<T: BlasReal>(sum: &Sum<T>) -> PyResult<Sum<T>> {
     Ok(Sum::read(&mut &bytes[..])?)
 }
 
+/// Adds the sums of another accumulator; an error leaves them as they were.
+fn merge<T: BlasReal>(own: &mut Sum<T>, others: Sum<T>) -> PyResult<()> {
+    if !own.is_exact() {
+        // An error comes before the first change.
+        return own.merge(others).map_err(exception);
+    }
+    // Integers may turn out too large when a part of them is added.
+    let mut merged = own.try_clone().map_err(exception)?;
+    merged.merge(others).map_err(exception)?;
+    *own = merged;
+    Ok(())
+}
+
 /// What is done with rows.
 struct Change<'a, 'py> {
     weights: Option<&'a Bound<'py, PyAny>>,
@@ -213,17 +226,16 @@ fn blocks<T: Scalar + BlasReal>(
     let length = Length::of(m as f64 * n as f64 * n as f64);
     let (remove, weights) = (change.remove, weights.as_deref());
     run(py, length, change.progress, move |progress| {
+        use Error::{Argument, Io, NonFinite, Shape};
         let options = options.progress(progress);
         let before = sum.rows();
         let done = match remove {
             false => sum.add_rows(rows, weights, &options),
             true => sum.remove_rows(rows, weights, &options),
         };
-        // An argument that is refused in the first block leaves the sums as they were.
-        let refused = matches!(
-            done,
-            Err(Error::Argument { .. } | Error::NonFinite { .. } | Error::Shape { .. })
-        );
+        // What is refused, or can't be read, in the first block leaves the sums as they were.
+        let refused =
+            matches!(done, Err(Argument { .. } | NonFinite { .. } | Shape { .. } | Io { .. }));
         *started = !refused || sum.rows() != before;
         done
     })
@@ -302,15 +314,11 @@ impl Accumulator {
             Sums::F64(others) => Sums::F64(copy(others)?),
         };
         let mut state = self.valid(py)?;
-        let merged = match (&mut state.sums, others) {
-            (Sums::F32(own), Sums::F32(others)) => own.merge(others),
-            (Sums::F64(own), Sums::F64(others)) => own.merge(others),
-            _ => return Err(refused("accumulator", "float32 and float64 sums can't be merged")),
-        };
-        merged.map_err(|error| {
-            state.broken = Some(error.to_string());
-            exception(error)
-        })
+        match (&mut state.sums, others) {
+            (Sums::F32(own), Sums::F32(others)) => merge(own, others),
+            (Sums::F64(own), Sums::F64(others)) => merge(own, others),
+            _ => Err(refused("accumulator", "float32 and float64 sums can't be merged")),
+        }
     }
 
     #[pyo3(signature = (alpha, part))]

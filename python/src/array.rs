@@ -188,7 +188,8 @@ impl<'py, T: Scalar> Array<'py, T> {
     pub fn entries(&self) -> Cow<'_, [T]> {
         let view = self.view();
         if self.layout.strides[0] == 1 || view.nrows() <= 1 {
-            // SAFETY: so many elements follow each other, as long as `self` is there.
+            // SAFETY: as in `view`; the stride is 1, or there is at most one element, so that the
+            // elements follow each other.
             return Cow::Borrowed(unsafe {
                 std::slice::from_raw_parts(self.data.as_ptr(), view.nrows())
             });

@@ -274,9 +274,40 @@ pub fn lstsq<'py>(
 /// Returns an error of the rows of [A B], where A has n columns, as that of the argument at fault.
 fn of_table(error: Error, n: usize) -> Error {
     let Error::NonFinite { what: "rows", index: (i, j) } = error else { return error };
-    let (what, column) = if j < n { ("a", j) } else { ("b", j - n) };
+    let (what, column) = argument(j, n, 0);
     let why = "missing=\"drop\" leaves out rows with a NaN";
     Error::Argument { what, why: format!("not finite at row {i}, column {column}: {why}") }
+}
+
+/// Returns the argument of a column of a table, and its column there. The table has the n columns
+/// of A, so many columns of factors, and those of B.
+fn argument(column: usize, n: usize, factors: usize) -> (&'static str, usize) {
+    match column {
+        j if j < n => ("a", j),
+        j if j < n + factors => ("factors", j - n),
+        j => ("b", j - n - factors),
+    }
+}
+
+/// Returns the error of a row of a table with a NaN as that of the argument at fault; A has n
+/// columns.
+fn missing_in(
+    table: &mut (dyn RowBlocks<f64> + Send),
+    row: usize,
+    n: usize,
+    factors: &[Coded],
+) -> catamaran::Result<Error> {
+    let width = table.ncols();
+    let mut entries = vec![0.0_f64; width];
+    let out = catamaran::faer::MatMut::from_row_major_slice_mut(&mut entries, 1, width);
+    table.read(row, out)?;
+    let column = entries.iter().position(|entry| entry.is_nan()).unwrap_or(0);
+    let (what, column) = argument(column, n, factors.len());
+    let value = match what {
+        "factors" => format!("a label of {} is missing in row {row}", factors[column].0),
+        _ => format!("a value is missing in row {row}, column {column}"),
+    };
+    Ok(Error::Argument { what, why: format!("{value}: missing=\"drop\" leaves it out") })
 }
 
 /// Returns an error of rows as that of the argument `a`.
@@ -327,10 +358,16 @@ pub fn lstsq_table<'py>(
         }
         let all = n + factors.len() + targets;
         let used: Vec<usize> = (0..all).collect();
-        let survey = Survey::of(&mut table, &used, &used[n..n + factors.len()], options.par)?;
-        if let (false, Some(row)) = (drop, survey.missing.first()) {
-            let why = format!("a value is missing in row {row}: missing=\"drop\" leaves it out");
-            return Err(Error::Argument { what: "a", why });
+        let survey = Survey::of(&mut table, &used, &used[n..n + factors.len()], options.par);
+        let survey = survey.map_err(|error| match error {
+            Error::NonFinite { what: "table", index: (row, j) } => {
+                let (what, column) = argument(j, n, factors.len());
+                Error::NonFinite { what, index: (row, column) }
+            }
+            other => other,
+        })?;
+        if let (false, Some(&row)) = (drop, survey.missing.first()) {
+            return Err(missing_in(&mut table, row, n, &factors)?);
         }
         let mut design: Vec<DesignColumn> = used.into_iter().map(DesignColumn::Numbers).collect();
         let mut columns = Vec::new();

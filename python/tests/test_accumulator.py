@@ -1,6 +1,7 @@
 """Sums over rows in blocks."""
 
 import copy
+import os
 import pickle
 import threading
 
@@ -118,6 +119,50 @@ def test_errors(rng):
         catamaran.Accumulator(3, kind="nice")
     with pytest.raises(ValueError, match="no extended precision"):
         sums.lstsq()
+
+
+@pytest.mark.parametrize("kind", ["float", "exact", "extended"])
+def test_a_merge_that_is_refused_changes_nothing(rng, kind):
+    a = rng.integers(-9, 9, (30, 3)).astype(float)
+    sums = catamaran.Accumulator(3) if kind == "float" else exact(3, kind)
+    sums.add(a[:20])
+    others = [
+        (catamaran.Accumulator(2), "columns: 3 and 2"),
+        (catamaran.Accumulator(3, center=True), "centring: "),
+        (exact(3, "extended" if kind == "exact" else "exact"), "sums: "),
+    ]
+    if kind == "exact":
+        ends = np.array([10.0, 10.0, 1e30])
+        far = catamaran.Accumulator(3, kind=kind, bounds=(-ends, ends, 9))
+        far.add(ends[None])
+        others.append((far, "column 2: the grids are too far apart"))
+    for other, why in others:
+        with pytest.raises(ValueError, match=f"^accumulator: {why}"):
+            sums.merge(other)
+    assert sums.rows == 20 and np.array_equal(sums.result(), a[:20].T @ a[:20])
+    sums.add(a[20:])
+    sums.merge(sums)
+    assert sums.rows == 60 and np.array_equal(sums.result(), 2 * a.T @ a)
+
+
+def test_a_file_that_can_not_be_read_leaves_the_sums_as_they_were(tmp_path):
+    a = np.arange(120.0).reshape(60, 2)
+    path = tmp_path / "a.npy"
+    np.save(path, a)
+
+    class Weights:
+        """Weights that cut the file, which is open when they are read."""
+
+        def __array__(self, dtype=None, copy=None):
+            os.truncate(path, path.stat().st_size - 8)
+            return np.ones(60)
+
+    sums = catamaran.Accumulator(2)
+    sums.add(a[:3])
+    with pytest.raises(OSError, match="truncated: it shrank"):
+        sums.add_file(path, Weights())
+    sums.add(a[3:])
+    assert sums.rows == 60 and np.array_equal(sums.result(), a.T @ a)
 
 
 def together(*calls):

@@ -55,6 +55,9 @@ def test_locked_vertices_of_a_decimation_are_its_first():
         catamaran.decimate(v, f, 100, locked=[len(v)])
     with pytest.raises(TypeError, match="^locked: "):
         catamaran.decimate(v, f, 100, locked=[1.5])
+    for wrong in (mask[:-1], np.append(mask, False), mask[:, None], mask[None]):
+        with pytest.raises(ValueError, match=r"^locked: expected a mask of shape \(2562,\), got"):
+            catamaran.decimate(v, f, 100, locked=wrong)
     v, f = shapes.icosphere(0)
     with pytest.warns(UserWarning, match="30 edges between locked vertices"):
         catamaran.decimate(v, f, 400, locked=range(12))
@@ -264,6 +267,18 @@ def test_newton_finds_the_roots_it_is_told():
     plane = catamaran.newton(power=4, size=(40, 30))
     assert plane.roots.shape == plane.convergence.shape == (30, 40)
     assert catamaran.newton(size=12, volume=True).roots.shape == (12, 12, 12)
+    assert catamaran.newton(size=(12, 12), volume=True).roots.shape == (12, 12, 12)
+    # Of z^2 + 1 the upper half of the plane belongs to i, and row 0 has the largest y.
+    halves = catamaran.newton(roots=[1j, -1j], size=6)
+    assert (halves.roots[:3] == 0).all() and (halves.roots[3:] == 3).all()
+    moved = catamaran.newton(roots=[1j, -1j], size=6, center=(0.0, 2.0))
+    assert (moved.roots == 0).all()
+    # The middles of four pixels, of a plane that is 3 or 1 wide.
+    corners = np.array([[-1.0, 1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, -1.0, 0.0], [1.0, -1.0, 0.0]])
+    for more, half in (({}, 0.75), ({"extent": 1.0}, 0.25)):
+        grid, listed = catamaran.newton(size=2, **more), catamaran.newton(half * corners)
+        assert np.array_equal(grid.roots.ravel(), listed.roots)
+        assert np.allclose(grid.convergence.ravel(), listed.convergence)
     with pytest.raises(ValueError, match="iterations"):
         catamaran.newton(size=8, iterations=0)
     with pytest.warns(UserWarning, match="of 1024 points reach no root in 2 iterations; raise"):

@@ -256,7 +256,7 @@ def test_rows_that_a_fit_does_not_know_are_named(rng):
 
 
 def test_a_fit_whose_rows_are_all_left_out_is_an_error():
-    with pytest.raises(ValueError, match="a: a value is missing in each of 3 rows: none is left"):
+    with pytest.raises(ValueError, match="^missing: a value is missing in each of 3 rows: none"):
         catamaran.lstsq([[1, np.nan]] * 3, np.ones(3), missing="drop")
 
 
@@ -271,3 +271,33 @@ def test_an_entry_that_is_not_finite_is_that_of_its_argument(rng):
     b[3] = np.inf
     with pytest.raises(ValueError, match="^b: not finite at row 3, column 0: missing"):
         catamaran.lstsq(a[:4], b[:4])
+
+
+def test_what_is_missing_in_a_table_is_that_of_its_argument(rng):
+    a, b = rng.standard_normal((6, 2)), rng.standard_normal((6, 2))
+    labels = {"f": list("aabbab"), "g": list("ababab")}
+
+    def fit(a, b, g=labels["g"], missing="error"):
+        factors = {**labels, "g": g}
+        return catamaran.lstsq(a, b, factors=factors, missing=missing, standard_errors=False)
+
+    bad, none = a.copy(), [*"ab", None, *"bab"]
+    bad[4, 1] = np.nan
+    with pytest.raises(ValueError, match="^a: a value is missing in row 4, column 1: missing=.dr"):
+        fit(bad, b)
+    with pytest.raises(ValueError, match="^factors: a label of g is missing in row 2: missing=.dr"):
+        fit(a, b, none)
+    bad = b.copy()
+    bad[5, 1] = np.nan
+    with pytest.raises(ValueError, match="^b: a value is missing in row 5, column 1: missing=.dr"):
+        fit(a, bad)
+    assert fit(a, bad, none, missing="drop").left_out == (2, 5)
+    bad[5, 1] = np.inf
+    with pytest.raises(ValueError, match="^b: not finite at row 5, column 1$"):
+        fit(a, bad)
+    with pytest.raises(ValueError, match="^b: not finite at row 5, column 1$"):
+        catamaran.lstsq(a, bad, missing="drop")
+    bad = a.copy()
+    bad[3, 0] = -np.inf
+    with pytest.raises(ValueError, match="^a: not finite at row 3, column 0$"):
+        fit(bad, b)

@@ -150,6 +150,30 @@ def test_numbers_of_numpy_are_integers():
     assert catamaran.decimate(V, F, np.int64(20), relaxation=two).v.shape == (20, 3)
 
 
+def test_what_the_points_of_a_fractal_do_not_take_is_refused():
+    grid = {"size": 4, "center": (0.0, 1.0), "extent": 2.0, "volume": True}
+    for name, given in grid.items():
+        match = f"^{name}: not together with points"
+        refused(ValueError, match, catamaran.newton, [[1.0, 0.0, 0.0]], **{name: given})
+    match = "^center: not together with volume"
+    refused(ValueError, match, catamaran.newton, size=4, volume=True, center=(1.0, 0.0))
+    match = r"^size: a volume needs the same number along each side, got \(4, 2\)"
+    refused(ValueError, match, catamaran.newton, size=(4, 2), volume=True)
+
+
+def test_weights_of_a_covariance_are_named():
+    for name in ("fweights", "aweights"):
+        for wrong, why in (
+            (np.ones(3), r"expected shape \(4,\), got \(3,\)"),
+            (np.ones((4, 1)), r"expected shape \(4,\), got \(4, 1\)"),
+            ([1.0, 2.0, np.nan, 3.0], "not finite at row 2"),
+            ([1.0, np.inf, 2.0, 3.0], "not finite at row 1"),
+            (np.ma.masked_equal(np.arange(4.0), 2), "1 entries are masked"),
+        ):
+            refused(ValueError, f"^{name}: {why}", catamaran.cov, A, **{name: wrong})
+    refused(ValueError, "^aweights: ", catamaran.cov, A, fweights=np.ones(4), aweights=np.ones(3))
+
+
 def test_complex_matrices_have_no_weights():
     refused(TypeError, "a: complex", catamaran.ata, A + 1j, weights=np.ones(4))
 

@@ -81,6 +81,10 @@ def test_pairs_of_a_coarse_mesh_are_near_and_never_too_small():
     for wrong in (weights[:100], scipy.sparse.vstack([weights, weights[:1]])):
         with pytest.raises(ValueError, match="prolongation: expected a row for each of 642 vert"):
             catamaran.eigsh(SPHERE, k=3, prolongation=wrong)
+    with pytest.raises(TypeError, match="^prolongation: expected a matrix of scipy.sparse, got nd"):
+        catamaran.eigsh(SPHERE, k=3, prolongation=weights.toarray())
+    with pytest.raises(TypeError, match="^prolongation: complex"):
+        catamaran.eigsh(SPHERE, k=3, prolongation=1j * weights)
     with pytest.raises(ValueError, match="verify_count"):
         catamaran.eigsh(SPHERE, k=3, prolongation=weights, verify_count=True)
 
@@ -181,3 +185,9 @@ def test_energies_are_quotients(rng):
     assert catamaran.dirichlet_energies(np.zeros(len(q)), stiffness)[0] == 0
     with pytest.raises(ValueError, match="stiffness: expected 5 x 5"):
         catamaran.dirichlet_energies(np.ones(5), stiffness)
+    with pytest.raises(TypeError, match="^stiffness: expected a matrix of scipy.sparse, got ndarr"):
+        catamaran.dirichlet_energies(q, stiffness.toarray())
+    with pytest.raises(TypeError, match="^stiffness: complex"):
+        catamaran.dirichlet_energies(q, 1j * stiffness)
+    with pytest.raises(TypeError, match="^mass: complex"):
+        catamaran.dirichlet_energies(q, stiffness, 1j * mass)

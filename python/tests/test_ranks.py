@@ -72,5 +72,19 @@ def test_rows_that_ranks_cannot_sum_are_named():
             call()
 
 
+def test_a_scheme_that_is_not_reproducible_is_refused_as_in_one_process():
+    a, said = np.ones((4, 2)), []
+    for more in ({}, {"comm": One()}):
+        with pytest.raises(ValueError) as refused:
+            catamaran.ata(a, reproducible=True, scheme="winograd", **more)
+        said.append(str(refused.value))
+    assert said == ["scheme: only the exact scheme is reproducible on every machine"] * 2
+    for scheme in ("auto", "exact"):
+        found = catamaran.ata(a, reproducible=True, scheme=scheme, comm=One())
+        assert np.array_equal(found, np.full((2, 2), 4.0))
+    # Without `reproducible` the scheme is that of the products.
+    assert np.allclose(catamaran.ata(a, scheme="winograd", comm=One()), 4.0)
+
+
 def masked(a):
     return np.ma.masked_array(a, np.arange(a.size).reshape(a.shape) == 0)

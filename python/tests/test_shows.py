@@ -80,3 +80,17 @@ def test_results_plot_themselves(rng):
     with pytest.raises(ValueError, match="plot: only the points of a plane"):
         catamaran.newton(size=4, power=2, volume=True).plot()
     plt.close("all")
+
+
+def test_a_plane_is_drawn_with_the_largest_y_at_the_top():
+    pytest.importorskip("matplotlib").use("Agg")
+    import matplotlib.pyplot as plt
+
+    # The root i, of number 0, is that of the upper half, whose rows are the first.
+    found = catamaran.newton(roots=[1j, -1j], size=6)
+    assert (found.roots[:3] == 0).all() and (found.roots[3:] == 3).all()
+    ax = found.plot()
+    assert np.array_equal(ax.images[0].get_array(), found.roots)
+    first, last = ax.transData.transform([[0, 0], [0, 5]])[:, 1]
+    assert first > last
+    plt.close(ax.figure)

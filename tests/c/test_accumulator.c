@@ -188,6 +188,51 @@ static int32_t cancel(double fraction, void *user)
     return 1;
 }
 
+static int32_t go_on(double fraction, void *user)
+{
+    *(double *)user = fraction;
+    return 0;
+}
+
+/* What follows from sums asks the callback of its own parameters, and has the same bytes for any
+ * number of threads. */
+static void test_progress_of_what_follows(void)
+{
+    cata_accumulator *sums = made(CATA_SUMS_EXTENDED, 1, 1);
+    CHECK_STATUS(cata_accumulator_add(sums, CATA_ROW_MAJOR, M, rows, N, NULL), CATA_OK);
+    double x[N - 1] = {7}, again[N - 1], components[2 * N] = {7}, others[2 * N], last = -1;
+    int calls = 0;
+    cata_lstsq_params fit = {.struct_size = sizeof fit, .intercept = 1};
+    cata_pca_params pca = {.struct_size = sizeof pca};
+    fit.progress = pca.progress = cancel;
+    fit.progress_user = pca.progress_user = &calls;
+    CHECK_STATUS(cata_accumulator_lstsq(sums, 1, CATA_ROW_MAJOR, x, 1, NULL, &fit),
+                 CATA_ERR_CANCELLED);
+    CHECK(calls == 1 && x[0] == 7);
+    CHECK_STATUS(cata_accumulator_pca(sums, CATA_ROW_MAJOR, 2, components, N, NULL, NULL, NULL, NULL,
+                                      NULL, &pca),
+                 CATA_ERR_CANCELLED);
+    CHECK(calls == 2 && components[0] == 7);
+    /* A call that is cancelled leaves the sums as they are. */
+    fit.progress = pca.progress = go_on;
+    fit.progress_user = pca.progress_user = &last;
+    CHECK_STATUS(cata_accumulator_lstsq(sums, 1, CATA_ROW_MAJOR, x, 1, NULL, &fit), CATA_OK);
+    CHECK(last == 1 && x[0] != 7);
+    last = -1;
+    CHECK_STATUS(cata_accumulator_pca(sums, CATA_ROW_MAJOR, 2, components, N, NULL, NULL, NULL, NULL,
+                                      NULL, &pca),
+                 CATA_OK);
+    CHECK(last == 1 && components[0] != 7);
+    fit.threads = pca.threads = 3;
+    CHECK_STATUS(cata_accumulator_lstsq(sums, 1, CATA_ROW_MAJOR, again, 1, NULL, &fit), CATA_OK);
+    CHECK(memcmp(x, again, sizeof x) == 0);
+    CHECK_STATUS(cata_accumulator_pca(sums, CATA_ROW_MAJOR, 2, others, N, NULL, NULL, NULL, NULL, NULL,
+                                      &pca),
+                 CATA_OK);
+    CHECK(memcmp(components, others, sizeof others) == 0);
+    cata_accumulator_free(sums);
+}
+
 static void test_refusals(void)
 {
     cata_accumulator *sums = NULL;
@@ -236,6 +281,7 @@ int main(void)
     test_sums();
     test_what_follows();
     test_file();
+    test_progress_of_what_follows();
     test_refusals();
     return report("test_accumulator");
 }

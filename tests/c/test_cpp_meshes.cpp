@@ -195,6 +195,12 @@ void accumulators() {
     CHECK(calls > 0 && centred.mean()[1] == 4.5);
     const auto found = centred.pca(1);
     CHECK(std::abs(found.components[2] / found.components[1] - 3) < 1e-12);
+    catamaran::lstsq_options fitting;
+    catamaran::pca_options analysing;
+    fitting.intercept = true;
+    fitting.progress = analysing.progress = [](double) { return false; };
+    CHECK(status_of([&] { centred.lstsq(1, fitting); }) == CATA_ERR_CANCELLED);
+    CHECK(status_of([&] { centred.pca(1, analysing); }) == CATA_ERR_CANCELLED);
     CHECK(status_of([&] { centred.merge(sums); }) == CATA_ERR_ARGUMENT);
     CHECK(status_of([&] { centred.pca(4); }) == CATA_ERR_ARGUMENT);
     CHECK(status_of([&] { sums.add(catamaran::row_major<const double>(rows.data(), 2, 4)); }) ==

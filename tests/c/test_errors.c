@@ -424,6 +424,10 @@ static void test_version(void)
     CHECK(strcmp(text, cata_version_string()) == 0);
     CHECK(strcmp(text, EXPECTED_VERSION) == 0); /* CMake's, from Cargo.toml */
     CHECK_STATUS(cata_version(NULL, NULL, NULL), CATA_OK);
+    major = minor = -1;
+    CHECK_STATUS(cata_version(&major, &minor, &major), CATA_ERR_ARGUMENT);
+    CHECK_MESSAGE("patch: must not overlap major");
+    CHECK(major == -1 && minor == -1);
     CHECK((cata_capabilities() & CATA_CAP_CHAPTERS) != 0 && cata_capabilities() < 32);
 }
 

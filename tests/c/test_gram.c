@@ -237,6 +237,23 @@ static void test_lstsq_refusals(void)
                  CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("x: must not overlap result");
     CHECK(result.rank == 77);
+    /* The arrays of the result have its name, and the leading dimension of X. */
+    double lower[2] = {7, 7};
+    result.lower = lower;
+    REFUSED(LSTSQ(rows, 1, a, 2, b, 1, 0), CATA_ERR_SHAPE, "ldx: must be at least 1");
+    CHECK_STATUS(cata_lstsq(rows, 3, 2, 1, a, 2, b, 1, weights, NULL, 0, &result, &params),
+                 CATA_ERR_SHAPE);
+    CHECK_MENTIONS("ldx: must be at least 1 (columns of result.lower), is 0");
+    result.upper = lower;
+    REFUSED(LSTSQ(rows, 1, a, 2, b, 1, 1), CATA_ERR_ARGUMENT,
+            "result.upper: must not overlap result.lower");
+    result.upper = NULL;
+    result.standard_errors = x;
+    REFUSED(LSTSQ(rows, 1, a, 2, b, 1, 1), CATA_ERR_ARGUMENT,
+            "x: must not overlap result.standard_errors");
+    result.standard_errors = NULL;
+    result.lower = NULL;
+    CHECK(lower[0] == 7 && lower[1] == 7);
     int calls = 0;
     params.progress = cancel;
     params.progress_user = &calls;

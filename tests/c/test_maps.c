@@ -103,7 +103,9 @@ static void test_basis(void)
     CHECK_MENTIONS("eigenvalues: must ascend, but value 2 is less");
     values[2] = 1;
     CHECK_STATUS(cata_basis_new(N, 3, masses, values, source, N - 1, NULL, &none), CATA_ERR_SHAPE);
-    CHECK_MENTIONS("ldv");
+    CHECK_MENTIONS("ldv: must be at least 24 (rows of eigenvectors), is 23");
+    CHECK_STATUS(cata_basis_new(N, 3, masses, values, NULL, N, NULL, &none), CATA_ERR_NULL);
+    CHECK_MENTIONS("eigenvectors: must not be NULL");
     masses[1] = 0;
     CHECK_STATUS(cata_basis_new(N, 3, masses, values, source, N, NULL, &none), CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("mass");
@@ -454,6 +456,43 @@ static void test_details(size_t count)
     cata_basis_free(large);
 }
 
+/* Meshes at fault are named, and outputs stay as they are. */
+static void test_refused_searches(void)
+{
+    cata_basis *from = basis_of(K, source), *to = basis_of(K, target);
+    double corners[3 * N], map[K * K] = {5}, numbers[2] = {7, 7};
+    const uint32_t face[3] = {0, 1, 2}, beyond[3] = {0, 1, N};
+    int32_t ambiguous = 7;
+    for (int i = 0; i < N; i++) {
+        corners[3 * i] = cos(angle(i));
+        corners[3 * i + 1] = sin(angle(i));
+        corners[3 * i + 2] = 0;
+    }
+    CHECK_STATUS(cata_map_search(from, to, NULL, 1, face, corners, 1, face, CATA_ROW_MAJOR, map, K, NULL,
+                                 &ambiguous, NULL, NULL, NULL, NULL),
+                 CATA_ERR_NULL);
+    CHECK_MENTIONS("source: vertices: must not be NULL");
+    CHECK_STATUS(cata_map_search(from, to, corners, 1, face, corners, 1, NULL, CATA_ROW_MAJOR, map, K, NULL,
+                                 &ambiguous, NULL, NULL, NULL, NULL),
+                 CATA_ERR_NULL);
+    CHECK_MENTIONS("target: faces: must not be NULL");
+    CHECK_STATUS(cata_map_search(from, to, corners, 1, beyond, corners, 1, face, CATA_ROW_MAJOR, map, K, NULL,
+                                 &ambiguous, NULL, NULL, NULL, NULL),
+                 CATA_ERR_MESH);
+    CHECK_MENTIONS("source: face 0");
+    CHECK_STATUS(cata_map_search(from, to, corners, 1, face, corners, 1, beyond, CATA_ROW_MAJOR, map, K, NULL,
+                                 &ambiguous, NULL, NULL, NULL, NULL),
+                 CATA_ERR_MESH);
+    CHECK_MENTIONS("target: face 0");
+    CHECK_STATUS(cata_map_search(from, to, corners, 1, face, corners, 1, face, CATA_ROW_MAJOR, map, K, NULL,
+                                 &ambiguous, numbers, numbers, NULL, NULL),
+                 CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("next: must not overlap commutativity");
+    CHECK(ambiguous == 7 && numbers[0] == 7 && map[0] == 5);
+    cata_basis_free(from);
+    cata_basis_free(to);
+}
+
 int main(int argc, char **argv)
 {
     const int quick = argc > 1 && strcmp(argv[1], "quick") == 0;
@@ -462,6 +501,7 @@ int main(int argc, char **argv)
     test_products();
     test_maps();
     test_refusals();
+    test_refused_searches();
     test_details(quick ? 2 * FEW : MANY);
     return report("test_maps");
 }

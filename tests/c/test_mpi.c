@@ -149,6 +149,7 @@ static void test_verify(const cata_symmetric *product, const cata_symmetric *pro
     CHECK_STATUS(cata_symmetric_verify_f64(product, world, spread, layout, rows, cols, 2.0, a, lda,
                                            rank == last ? -1 : 20, 7, &passed, NULL, NULL),
                  seen(last, CATA_ERR_ARGUMENT));
+    CHECK_MENTIONS("rounds: must be 1 to 1000, is -1");
     CHECK_STATUS(cata_symmetric_verify_f64(product, world, rank == last ? 0 : spread, layout, rows, cols, 2.0,
                                            a, lda, 20, 7, &passed, NULL, NULL),
                  seen(last, CATA_ERR_ARGUMENT));

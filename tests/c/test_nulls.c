@@ -266,7 +266,8 @@ static void test_descriptors(void)
     NEEDS("params", cata_shape_params_init(NULL, sizeof(cata_shape_params)));
     NEEDS("eigenvalues",
           cata_descriptor_heat(c, 3, 2, NULL, vectors, 3, 1, &one, 0, x, 3, NULL));
-    NEEDS("v", cata_descriptor_heat(c, 3, 2, values, NULL, 3, 1, &one, 0, x, 3, NULL));
+    NEEDS("eigenvectors",
+          cata_descriptor_heat(c, 3, 2, values, NULL, 3, 1, &one, 0, x, 3, NULL));
     NEEDS("times", cata_descriptor_heat(c, 3, 2, values, vectors, 3, 1, NULL, 0, x, 3, NULL));
     NEEDS("signature",
           cata_descriptor_heat(c, 3, 2, values, vectors, 3, 1, &one, 0, NULL, 3, NULL));
@@ -277,6 +278,7 @@ static void test_descriptors(void)
     NEEDS("eigenvalues", cata_descriptor_heat_kernel(c, 3, 2, NULL, vectors, 3, 0, 1, x));
     NEEDS("heat", cata_descriptor_heat_kernel(c, 3, 2, values, vectors, 3, 0, 1, NULL));
     TOO_LARGE("ldv", cata_descriptor_heat_kernel(c, 3, 2, values, vectors, 2, 0, 1, x));
+    CHECK_MENTIONS("ldv: must be at least 3 (rows of eigenvectors), is 2");
     NEEDS("energies", cata_descriptor_wave(c, 3, 2, values, vectors, 3, 1, NULL, 1, x, 3, NULL));
     NEEDS("signature",
           cata_descriptor_wave(c, 3, 2, values, vectors, 3, 1, &one, 1, NULL, 3, NULL));

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _catamaran
-from ._options import Csr, Progress, callback, csr, is_sparse
+from ._options import Progress, callback, csr, is_sparse
 from ._words import Triangle
 
 __all__ = ["Cholesky", "cholesky"]
@@ -58,7 +58,7 @@ class Cholesky:
         progress
             As in `ata`.
         """
-        self._handle.factor(sparse_of(a), callback(progress))
+        self._handle.factor(csr("a", a), callback(progress))
 
     @property
     def shape(self) -> Tuple[int, int]:
@@ -67,7 +67,7 @@ class Cholesky:
 
     @property
     def entries(self) -> int:
-        """Number of entries of L that are stored, zeros among them."""
+        """Number of entries of L that are stored, zeros included."""
         return self._handle.entries
 
     @property
@@ -86,13 +86,6 @@ class Cholesky:
     def __repr__(self) -> str:
         n = self._handle.n
         return f"<Cholesky of a {n} x {n} matrix, {self.entries} entries, {len(self.held)} held>"
-
-
-def sparse_of(a: Any) -> Csr:
-    """Return a matrix of scipy.sparse as the extension takes it."""
-    if not is_sparse(a):
-        raise TypeError("a: expected a matrix of scipy.sparse")
-    return csr(a)
 
 
 def cholesky(
@@ -155,6 +148,6 @@ def cholesky(
     True
     """
     handle = _catamaran.CholeskyHandle(
-        sparse_of(a), triangle, semidefinite, tolerance, order, threads, callback(progress)
+        csr("a", a), triangle, semidefinite, tolerance, order, threads, callback(progress)
     )
     return Cholesky(handle)

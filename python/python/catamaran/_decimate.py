@@ -139,7 +139,7 @@ def decimate(
         except for those longer than the edges of the result, of which a warning tells.
     density : array_like
         Vertices of the result per area, relative to elsewhere: a positive number for each vertex
-        of the input, of which only ratios count. None: the same everywhere.
+        of the input, of which only ratios count; the same everywhere by default.
     curvature : float
         Up to how many times as many vertices per area where the surface bends, such as 16. With
         `density`, both factors count.
@@ -166,7 +166,7 @@ def decimate(
         "uniform": uniform,
         "cut_narrow_handles": cut_narrow_handles,
         "first": first,
-        "locked": _numbers(locked),
+        "locked": _numbers("locked", locked, v),
         "density": np.asarray(density, dtype=np.float64).ravel().tolist(),
         "curvature": curvature,
         "threads": threads,
@@ -181,10 +181,16 @@ def decimate(
     return Decimated(v, f, Origin(face, inside), to_scipy(weights))
 
 
-def _numbers(vertices: ArrayLike) -> List[int]:
-    """Return the numbers of vertices, which may come as a mask."""
+def _numbers(name: str, vertices: ArrayLike, v: ArrayLike) -> List[int]:
+    """Return the numbers of vertices, which may come as a mask of all vertices `v`.
+
+    `name` is that of the argument, in errors.
+    """
     array = np.asarray(vertices)
     if array.dtype == bool:
+        if array.shape != np.shape(v)[:1]:
+            shape = np.shape(v)[:1]
+            raise ValueError(f"{name}: expected a mask of shape {shape}, got {array.shape}")
         array = np.flatnonzero(array)
     return cast(List[int], array.ravel().tolist())
 

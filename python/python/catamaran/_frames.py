@@ -82,12 +82,12 @@ def columns_of(name: str, a: Any, wanted: Tuple[str, ...]) -> Any:
 
 
 def refuse_other_rows(a: Any, **others: Any) -> None:
-    """Refuse what has as many rows as a frame of pandas, and an index of pandas that is not its.
+    """Refuse pandas arguments that have as many rows as the frame `a`, but another index.
 
     Raises
     ------
     ValueError
-        Names the argument: rows with one number, but other labels, would be one observation.
+        Names the argument: rows of different labels would be taken as one observation.
     """
     if not hasattr(a, "iloc"):
         return

@@ -399,7 +399,7 @@ def lstsq(
         return replace(fit, feature_names=names_of(a))
     refuse_other_rows(a, b=b, weights=weights)
     if not factors and missing == "error":
-        found = _catamaran.lstsq(rows_of(a), b, weights, options, callback(progress))
+        found = _catamaran.lstsq(rows_of("a", a), b, weights, options, callback(progress))
         found.update(feature_names=names_of(a))
         return solution(found, np.ndim(b) == 1)
     b = matrix_of("b", b)
@@ -408,10 +408,10 @@ def lstsq(
     if codes is None:
         codes = np.empty((np.shape(b)[0], 0))
     found, columns, left_out = _catamaran.lstsq_table(
-        rows_of(a), codes, levels, b, weights, missing == "drop", options, callback(progress)
+        rows_of("a", a), codes, levels, b, weights, missing == "drop", options, callback(progress)
     )
     if len(left_out) == len(codes) > 0:
-        raise ValueError(f"a: a value is missing in each of {len(codes)} rows: none is left")
+        raise ValueError(f"missing: a value is missing in each of {len(codes)} rows: none is left")
     found.update(
         factor_columns=tuple(columns),
         factor_levels=levels_of(levels, np.delete(codes, left_out, axis=0), columns),
@@ -447,7 +447,7 @@ class PrincipalComponents:
         a data frame: after one of a data frame, its columns are taken by their names."""
         if self.feature_names:
             rows = columns_of("rows", rows, self.feature_names)
-        return _catamaran.scores(rows_of(rows), self, callback(progress))
+        return _catamaran.scores(rows_of("rows", rows), self, callback(progress))
 
     @to_nearest
     def inverse_transform(self, scores: ArrayLike) -> NDArray[np.float64]:
@@ -546,7 +546,7 @@ def pca(
         return replace(of_all, feature_names=names_of(a))
     refuse_other_rows(a, weights=weights)
     found = _catamaran.pca(
-        rows_of(a), weights, n_components, standardize, whiten, threads, callback(progress)
+        rows_of("a", a), weights, n_components, standardize, whiten, threads, callback(progress)
     )
     return PrincipalComponents(**found, feature_names=names_of(a))
 
@@ -597,7 +597,7 @@ def svd(
     >>> catamaran.svd(np.array([[3.0, 0.0], [0.0, 1e-9], [0.0, 0.0]])).s
     array([3.e+00, 1.e-09])
     """
-    s, v = _catamaran.svd(rows_of(a), threads, callback(progress))
+    s, v = _catamaran.svd(rows_of("a", a), threads, callback(progress))
     u = None
     if compute_u:
         u = matrix_of("a", a) @ v

@@ -447,7 +447,7 @@ def dirichlet_energies(
     >>> bool(np.allclose(catamaran.dirichlet_energies(vectors, stiffness, mass), values))
     True
     """
-    return _catamaran.dirichlet_energies(functions, csr(stiffness), mass_of(mass))
+    return _catamaran.dirichlet_energies(functions, csr("stiffness", stiffness), mass_of(mass))
 
 
 class Eigenpairs(NamedTuple):
@@ -553,7 +553,7 @@ def eigsh(
         "tol": tol,
         "verify_count": verify_count,
         "seed": seed,
-        "prolongation": None if prolongation is None else csr(prolongation),
+        "prolongation": None if prolongation is None else csr("prolongation", prolongation),
         "memory": memory,
         "sink": sink,
         "threads": threads,
@@ -571,7 +571,7 @@ def eigsh(
         gathered(comm, lambda: rows.extend(own_rows(v, f)))
         pairs = _catamaran.eigsh_ranks(rows[0], rows[1], search, comm.py2f())
     elif is_sparse(v):
-        pairs, free = _catamaran.eigsh_sparse(csr(v), mass_of(f), search, callback(progress))
+        pairs, free = _catamaran.eigsh_sparse(csr("a", v), mass_of(f), search, callback(progress))
         if free > 1 and sigma is None:
             zeros = f"{free} eigenvalues are zero"
             warn_caller(f"{zeros}: {free} components of the matrix have rows of sum 0")
@@ -626,7 +626,7 @@ def count_below(
     4
     """
     if is_sparse(v):
-        return _catamaran.count_below_sparse(csr(v), mass_of(f), value)
+        return _catamaran.count_below_sparse(csr("a", v), mass_of(f), value)
     return _catamaran.count_below_mesh(v, f, kind, mass, boundary, weld, threads, value)
 
 
@@ -663,7 +663,7 @@ def free_components(
     0
     """
     if is_sparse(v):
-        return _catamaran.free_components_sparse(csr(v), mass_of(f))
+        return _catamaran.free_components_sparse(csr("a", v), mass_of(f))
     return _catamaran.free_components_mesh(v, f, boundary, weld)
 
 
@@ -672,8 +672,8 @@ def own_rows(a: Any, mass: Any) -> Tuple[Any, Any]:
     if not is_sparse(a):
         raise TypeError("v: with comm a matrix of scipy.sparse, of which each rank has some rows")
     if mass is None or is_sparse(mass):
-        return csr(a), mass_of(mass)
+        return csr("a", a), mass_of(mass)
     masses = np.asarray(mass, dtype=np.float64)
     if masses.shape != a.shape[:1]:
         raise ValueError(f"mass: shape {masses.shape}, where v has {a.shape[0]} rows on this rank")
-    return csr(a), masses
+    return csr("a", a), masses

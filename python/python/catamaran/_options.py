@@ -103,13 +103,18 @@ class Csr(NamedTuple):
     shape: Tuple[int, int]
 
 
-def csr(a: Any) -> Csr:
-    """Return a matrix of scipy.sparse as the extension takes it."""
+def csr(name: str, a: Any) -> Csr:
+    """Return a matrix of scipy.sparse as the extension takes it; anything else is refused.
+
+    `name` is that of the argument, in errors.
+    """
     import numpy as np
 
+    if not is_sparse(a):
+        raise TypeError(f"{name}: expected a matrix of scipy.sparse, got {type(a).__name__}")
     a = a.tocsr()
     if a.dtype.kind == "c":
-        raise TypeError("a: complex, where sparse matrices must be real")
+        raise TypeError(f"{name}: complex, where sparse matrices must be real")
     if not a.has_canonical_format:
         a = a.copy()
         a.sum_duplicates()
@@ -117,9 +122,12 @@ def csr(a: Any) -> Csr:
     return Csr(data, a.indices.astype(np.uintp), a.indptr.astype(np.uintp), a.shape)
 
 
-def rows_of(a: Any) -> Any:
-    """Return a matrix, which may be one of scipy.sparse, as the extension takes its rows."""
-    return csr(a) if is_sparse(a) else a
+def rows_of(name: str, a: Any) -> Any:
+    """Return a matrix, which may be one of scipy.sparse, as the extension takes its rows.
+
+    `name` is that of the argument, in errors.
+    """
+    return csr(name, a) if is_sparse(a) else a
 
 
 def matrix_of(name: str, a: Any) -> Any:
@@ -156,7 +164,7 @@ def to_scipy(parts: Tuple[Any, Any, Any, Tuple[int, int]]) -> Any:
 
 def mass_of(mass: Optional[ArrayLike]) -> Any:
     """Return a vector of masses or a sparse matrix as the extension takes it."""
-    return csr(mass) if is_sparse(mass) else mass
+    return csr("mass", mass) if is_sparse(mass) else mass
 
 
 def warn_caller(message: str) -> None:

@@ -59,7 +59,7 @@ def qr(
     array([[ 0.6,  0.8],
            [ 0.8, -0.6]])
     """
-    a = rows_of(a) if mass is None else a
+    a = rows_of("a", a) if mass is None else a
     return _catamaran.qr(a, mass_of(mass), threads, callback(progress))
 
 
@@ -130,4 +130,4 @@ def orthogonality(
     >>> catamaran.orthogonality(np.eye(3)[:, :2] * (1 + 2**-52))[1] == 2**-51 + 2**-104
     True
     """
-    return _catamaran.orthogonality(rows_of(q), threads, callback(progress))
+    return _catamaran.orthogonality(rows_of("q", q), threads, callback(progress))

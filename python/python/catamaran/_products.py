@@ -158,6 +158,8 @@ def ata(
             raise ValueError("comm: not together with b, out, beta, or a row as center")
         if backend is not None:
             raise ValueError("comm: not together with backend")
+        if reproducible and scheme not in ("auto", "exact"):
+            raise ValueError("scheme: only the exact scheme is reproducible on every machine")
         exact = reproducible or scheme == "exact"
         way = "auto" if exact else scheme
         more = {"scheme": way, "accuracy": accuracy, "threads": threads, "progress": progress}
@@ -172,7 +174,8 @@ def ata(
     if is_sparse(a):
         if b is not None:
             raise TypeError("a: sparse, where b needs a dense matrix")
-        return _catamaran.ata_sparse(csr(a), weights, center, out, alpha, beta, options, progress)
+        rows = csr("a", a)
+        return _catamaran.ata_sparse(rows, weights, center, out, alpha, beta, options, progress)
     wide = is_wide(a, dtype)
     return _catamaran.ata(a, b, weights, center, out, alpha, beta, options, wide, progress)
 
@@ -243,7 +246,7 @@ def verify(
     refuse_other_rows(a, weights=weights)
     middle = _center(center)
     return Verification(
-        *_catamaran.verify(rows_of(a), c, weights, middle, alpha, uplo, rounds, seed)
+        *_catamaran.verify(rows_of("a", a), c, weights, middle, alpha, uplo, rounds, seed)
     )
 
 
@@ -297,10 +300,15 @@ def cov(
     if rows.ndim != 2:
         raise ValueError(f"a: expected an array of 2 dimensions, got {rows.ndim}")
     weights = None
-    for more in (fweights, aweights):
+    for name, more in (("fweights", fweights), ("aweights", aweights)):
         if more is not None:
-            more = matrix_of("weights", more).astype(np.float64)
-            weights = more if weights is None else weights * more
+            own: Any = matrix_of(name, more).astype(np.float64)
+            if own.shape != rows.shape[:1]:
+                raise ValueError(f"{name}: expected shape {rows.shape[:1]}, got {own.shape}")
+            if not np.isfinite(own).all():
+                row = int(np.argmin(np.isfinite(own)))
+                raise ValueError(f"{name}: not finite at row {row}")
+            weights = own if weights is None else weights * own
     total = rows.shape[0] if weights is None else float(weights.sum())
     lost = float(ddof)
     if aweights is not None and ddof and weights is not None:
@@ -351,7 +359,7 @@ def corrcoef(
            [-1.,  1.]])
     """
     rows: Any = matrix_of("a", a).T if rowvar else a
-    return _catamaran.corrcoef(rows_of(rows), threads, callback(progress))
+    return _catamaran.corrcoef(rows_of("a", rows), threads, callback(progress))
 
 
 def plan(
@@ -525,7 +533,7 @@ class Accumulator(_catamaran.Accumulator):
         self._remove(rows, weights, options, callback(progress))
 
     def merge(self, other: Accumulator) -> None:
-        """Add the rows of another accumulator, which stays as it is."""
+        """Add the rows of another accumulator, which stays as it is. An error changes neither."""
         self._merge(other)
 
     def result(self, *, alpha: float = 1.0, uplo: Triangle = "both") -> NDArray[Any]:

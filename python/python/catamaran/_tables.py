@@ -43,7 +43,7 @@ class Table:
     left_out: List[str]
     #: Rows that were left out because a cell is missing.
     dropped_rows: int
-    #: What was decided about a text table, in words; empty for other formats.
+    #: What was decided about a text table, and which integers were rounded, in words; else empty.
     reading: str
 
     def __str__(self) -> str:

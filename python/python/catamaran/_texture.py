@@ -23,11 +23,11 @@ class Slime(NamedTuple):
     texture: NDArray[np.float32]
     #: faces x 3 x 2: texture coordinates of the corners of faces.
     uv: NDArray[np.float64]
-    #: steps x species: the part of the surface that is covered.
+    #: steps x species: the mean of the pheromone over the surface, from 0 to 1.
     coverage: NDArray[np.float64]
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the texture by matplotlib, each texel in the brightness of its species with most."""
+        """Draw the texture by matplotlib, the largest pheromone of any species at each texel."""
         ax = axes(ax)
         ax.imshow(self.texture.max(axis=0), origin="lower", extent=(0, 1, 0, 1))
         ax.set(xlabel="u", ylabel="v")
@@ -156,11 +156,11 @@ class Fractal(NamedTuple):
     convergence: NDArray[np.float32]
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the roots of a plane by matplotlib."""
+        """Draw the roots of a plane by matplotlib, the largest y at the top."""
         if self.roots.ndim != 2:
             raise ValueError("plot: only the points of a plane can be drawn")
         ax = axes(ax)
-        ax.imshow(self.roots, origin="lower")
+        ax.imshow(self.roots, origin="upper")
         return ax
 
 
@@ -188,15 +188,16 @@ def newton(
     Parameters
     ----------
     points : array_like, n x 3, optional
-        Where; a plane or a cube of `size` by default.
+        Where, instead of on a grid: without `size`, `center`, `extent` and `volume`.
     power : int, optional
         The polynomial ``z^power - 1``; 3 by default.
     roots : sequence of complex, optional
         The roots of another polynomial.
     size : int or (width, height), optional
-        Points of the grid along each side; 1024 in a plane and 128 in a cube by default.
+        Points of the grid along each side, of a cube the same number for all; 1024 in a plane and
+        128 in a cube by default.
     center : (float, float)
-        The middle of the plane.
+        The middle of the plane; without `volume`.
     extent : float
         The width of the plane, or of the cube, whose middle is the origin.
     volume : bool
@@ -218,7 +219,13 @@ def newton(
     Returns
     -------
     Fractal
-        ``roots`` and ``convergence``: n numbers, height x width, or size x size x size.
+        ``roots`` and ``convergence``: n numbers; or height x width, the row of largest y first; or
+        size x size x size, by z, y and x.
+
+    Raises
+    ------
+    ValueError
+        Names an argument that is out of range, or that has no meaning for these points.
 
     Warns
     -----
@@ -234,9 +241,22 @@ def newton(
     """
     if power is None and roots is None:
         power = 3
+    given = {
+        "size": size is not None,
+        "center": tuple(center) != (0.0, 0.0),
+        "extent": extent != 3.0,
+        "volume": volume,
+    }
+    for name, is_given in given.items():
+        if points is not None and is_given:
+            raise ValueError(f"{name}: not together with points")
+    if volume and given["center"]:
+        raise ValueError("center: not together with volume")
     if size is None:
         size = 128 if volume else 1024
     width, height = (size, size) if isinstance(size, (int, np.integer)) else size
+    if volume and width != height:
+        raise ValueError(f"size: a volume needs the same number along each side, got {size}")
     kind = "list" if points is not None else "cube" if volume else "plane"
     shapes = {"cube": (width, width, width), "plane": (height, width)}
     at = {

@@ -278,7 +278,7 @@ def interpolate_spectra(first: ArrayLike, second: ArrayLike, t: float) -> NDArra
     Raises
     ------
     ValueError
-        Names a spectrum that is none, or t.
+        Names a spectrum that is not 20 positive numbers in ascending order, or `t`.
 
     Examples
     --------

@@ -168,7 +168,7 @@ fn pairs(choices: &mut Choices<'_>, pencil: &Pencil, params: &Params<cata_eigs_p
         names.extend(["k", "options.k"]);
     }
     if overlap {
-        names.push("v: ");
+        names.push("eigenvectors: ");
     }
     if !names.is_empty() {
         [&values, &residuals, &vectors].iter().for_each(|x| x.check_untouched(&what));
