@@ -774,7 +774,10 @@ fn triangle_strips_of_ply_are_read() {
     let wrong = text.replace("5 0 1 1 2 3", "3 0 1 7");
     assert!(refusal(wrong.as_bytes(), PLY[0]).1.contains("vertex 7 is out of range: 6"));
     let wrong = text.replace("5 0 1 1 2 3", "3 0 1 -2");
-    assert_eq!(refusal(wrong.as_bytes(), PLY[0]).1, "tristrips 1: -2 is not the number of a vertex");
+    assert_eq!(
+        refusal(wrong.as_bytes(), PLY[0]).1,
+        "tristrips 1: -2 is not the number of a vertex"
+    );
 }
 
 #[test]
