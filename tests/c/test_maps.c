@@ -460,31 +460,31 @@ static void test_details(size_t count)
 static void test_refused_searches(void)
 {
     cata_basis *from = basis_of(K, source), *to = basis_of(K, target);
-    double corners[3 * N], map[K * K] = {5}, numbers[2] = {7, 7};
+    double circle[3 * N], map[K * K] = {5}, numbers[2] = {7, 7};
     const uint32_t face[3] = {0, 1, 2}, beyond[3] = {0, 1, N};
     int32_t ambiguous = 7;
     for (int i = 0; i < N; i++) {
-        corners[3 * i] = cos(angle(i));
-        corners[3 * i + 1] = sin(angle(i));
-        corners[3 * i + 2] = 0;
+        circle[3 * i] = cos(angle(i));
+        circle[3 * i + 1] = sin(angle(i));
+        circle[3 * i + 2] = 0;
     }
-    CHECK_STATUS(cata_map_search(from, to, NULL, 1, face, corners, 1, face, CATA_ROW_MAJOR, map, K, NULL,
+    CHECK_STATUS(cata_map_search(from, to, NULL, 1, face, circle, 1, face, CATA_ROW_MAJOR, map, K, NULL,
                                  &ambiguous, NULL, NULL, NULL, NULL),
                  CATA_ERR_NULL);
     CHECK_MENTIONS("source: vertices: must not be NULL");
-    CHECK_STATUS(cata_map_search(from, to, corners, 1, face, corners, 1, NULL, CATA_ROW_MAJOR, map, K, NULL,
+    CHECK_STATUS(cata_map_search(from, to, circle, 1, face, circle, 1, NULL, CATA_ROW_MAJOR, map, K, NULL,
                                  &ambiguous, NULL, NULL, NULL, NULL),
                  CATA_ERR_NULL);
     CHECK_MENTIONS("target: faces: must not be NULL");
-    CHECK_STATUS(cata_map_search(from, to, corners, 1, beyond, corners, 1, face, CATA_ROW_MAJOR, map, K, NULL,
+    CHECK_STATUS(cata_map_search(from, to, circle, 1, beyond, circle, 1, face, CATA_ROW_MAJOR, map, K, NULL,
                                  &ambiguous, NULL, NULL, NULL, NULL),
                  CATA_ERR_MESH);
     CHECK_MENTIONS("source: face 0");
-    CHECK_STATUS(cata_map_search(from, to, corners, 1, face, corners, 1, beyond, CATA_ROW_MAJOR, map, K, NULL,
+    CHECK_STATUS(cata_map_search(from, to, circle, 1, face, circle, 1, beyond, CATA_ROW_MAJOR, map, K, NULL,
                                  &ambiguous, NULL, NULL, NULL, NULL),
                  CATA_ERR_MESH);
     CHECK_MENTIONS("target: face 0");
-    CHECK_STATUS(cata_map_search(from, to, corners, 1, face, corners, 1, face, CATA_ROW_MAJOR, map, K, NULL,
+    CHECK_STATUS(cata_map_search(from, to, circle, 1, face, circle, 1, face, CATA_ROW_MAJOR, map, K, NULL,
                                  &ambiguous, numbers, numbers, NULL, NULL),
                  CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("next: must not overlap commutativity");
