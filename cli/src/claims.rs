@@ -94,9 +94,7 @@ pub fn file_of(name: &Path) -> &Path {
 /// # Errors
 /// The path leads to an input.
 pub fn refuse_input(path: &Path) -> Result<()> {
-    let Some(place) = Place::of(path) else { return Ok(()) };
-    let used = USED.lock().unwrap_or_else(PoisonError::into_inner);
-    if used.iter().any(|other| other.purpose == Purpose::Input && other.place.is_same(&place)) {
+    if is_used(path, Purpose::Input) {
         bail!("{}: is an input of this command, and can't also be an output", path.display());
     }
     Ok(())
@@ -107,12 +105,18 @@ pub fn refuse_input(path: &Path) -> Result<()> {
 /// # Errors
 /// Another result is written there.
 pub fn refuse_result(path: &Path) -> Result<()> {
-    let Some(place) = Place::of(path) else { return Ok(()) };
-    let used = USED.lock().unwrap_or_else(PoisonError::into_inner);
-    if used.iter().any(|other| other.purpose == Purpose::Result && other.place.is_same(&place)) {
+    if is_used(path, Purpose::Result) {
         bail!("{}: two results have this name", path.display());
     }
     Ok(())
+}
+
+/// Returns whether a file of this purpose is in the place of the path.
+fn is_used(path: &Path, purpose: Purpose) -> bool {
+    Place::of(path).is_some_and(|place| {
+        let used = USED.lock().unwrap_or_else(PoisonError::into_inner);
+        used.iter().any(|other| other.purpose == purpose && other.place.is_same(&place))
+    })
 }
 
 /// Notes what an output is for.

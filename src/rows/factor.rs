@@ -171,7 +171,7 @@ impl Factor {
     pub fn for_numbers(&self) -> Result<Self> {
         let entry = |(k, level): (usize, &String)| match number(level) {
             Some(number) => Ok((number, k)),
-            None => Err(self.refused(format!("its level {level} is not a number"))),
+            None => Err(self.refused(format!("has the level {level}, which is not a number"))),
         };
         let entries = self.levels.iter().enumerate().map(entry);
         let mut entries = entries.collect::<Result<Vec<_>>>()?;
