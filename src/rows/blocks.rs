@@ -9,7 +9,18 @@ use faer::MatMut;
 
 use super::coding::Coding;
 use super::source::RowBlocks;
-use crate::base::{FloatEnv, Par, Real, Result, Scratch};
+use crate::base::{Error, FloatEnv, Par, Real, Result, Scratch};
+
+/// Checks the number of rows of a block.
+///
+/// # Errors
+/// [`Error::Argument`] for 0.
+pub(super) fn check_block_rows(block_rows: usize) -> Result<()> {
+    match block_rows {
+        0 => Err(Error::Argument { what: "block rows", why: "must be at least 1".into() }),
+        _ => Ok(()),
+    }
+}
 
 /// The coded rows of a source, as rows.
 pub(super) struct CodedRows<'r, T> {

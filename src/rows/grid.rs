@@ -1,6 +1,6 @@
 //! The grid of exact sums: the unit that each column is rounded to, chosen before the first row.
 
-use super::blocks::{CodedRows, for_each_block};
+use super::blocks::{CodedRows, check_block_rows, for_each_block};
 use super::coding::Coding;
 use super::source::RowBlocks;
 use crate::base::{Error, Par, Real, Result, push, widest, zeros};
@@ -161,9 +161,7 @@ impl<T: Real> RowBounds<T> {
         refuse: bool,
         options: &AtaOptions<'_>,
     ) -> Result<Self> {
-        if block_rows == 0 {
-            return Err(Error::Argument { what: "block rows", why: "must be at least 1".into() });
-        }
+        check_block_rows(block_rows)?;
         if let Some(coding) = rows.coding() {
             let rows = &mut CodedRows::new(rows, &coding);
             return match Self::read(rows, weights, block_rows, refuse, options) {

@@ -1,6 +1,7 @@
 use std::fmt;
 use std::ops::Range;
 
+use super::blocks::check_block_rows;
 use super::grid::moduli;
 use crate::base::steps::step;
 use crate::base::{Error, Result, block_rows, byte_size, triangle_len};
@@ -126,9 +127,7 @@ impl StreamPlan {
         options: &AtaOptions<'_>,
     ) -> Result<Self> {
         let block_rows = rows.unwrap_or_else(|| block_rows::<T>(n, weighted));
-        if block_rows == 0 {
-            return Err(Error::Argument { what: "block rows", why: "must be at least 1".into() });
-        }
+        check_block_rows(block_rows)?;
         let height = block_rows.min(m);
         let blocks = if m > height { 2 } else { 1 } + usize::from(weighted);
         let product = Plan::ata::<T>(height, n, options)?;

@@ -4,6 +4,7 @@
 use std::ops::Range;
 
 use super::accumulator::Accumulator;
+use super::blocks::check_block_rows;
 use super::coded::for_each_block_as;
 #[cfg(feature = "mpi")]
 use super::exact::ExactSums;
@@ -77,9 +78,7 @@ pub fn stream<T: BlasReal>(
         Err(Error::Argument { what: "accumulator", why })
     };
     same("the number of columns", accumulator.ncols as u64, n)?;
-    if block_rows == 0 {
-        return Err(Error::Argument { what: "block rows", why: "must be at least 1".into() });
-    }
+    check_block_rows(block_rows)?;
     if accumulator.rows() > 0 {
         same("the number of rows", accumulator.expected_rows, m)?;
         if accumulator.rows() > m as u64 {

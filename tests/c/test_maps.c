@@ -468,22 +468,24 @@ static void test_refused_searches(void)
         circle[3 * i + 1] = sin(angle(i));
         circle[3 * i + 2] = 0;
     }
-    CHECK_STATUS(cata_map_search(from, to, NULL, 1, face, circle, 1, face, CATA_ROW_MAJOR, map, K, NULL,
-                                 &ambiguous, NULL, NULL, NULL, NULL),
-                 CATA_ERR_NULL);
-    CHECK_MENTIONS("source: vertices: must not be NULL");
-    CHECK_STATUS(cata_map_search(from, to, circle, 1, face, circle, 1, NULL, CATA_ROW_MAJOR, map, K, NULL,
-                                 &ambiguous, NULL, NULL, NULL, NULL),
-                 CATA_ERR_NULL);
-    CHECK_MENTIONS("target: faces: must not be NULL");
-    CHECK_STATUS(cata_map_search(from, to, circle, 1, beyond, circle, 1, face, CATA_ROW_MAJOR, map, K, NULL,
-                                 &ambiguous, NULL, NULL, NULL, NULL),
-                 CATA_ERR_MESH);
-    CHECK_MENTIONS("source: face 0");
-    CHECK_STATUS(cata_map_search(from, to, circle, 1, face, circle, 1, beyond, CATA_ROW_MAJOR, map, K, NULL,
-                                 &ambiguous, NULL, NULL, NULL, NULL),
-                 CATA_ERR_MESH);
-    CHECK_MENTIONS("target: face 0");
+    const struct {
+        const double *source;
+        const uint32_t *of_source, *of_target;
+        cata_status status;
+        const char *said;
+    } cases[] = {
+        {NULL, face, face, CATA_ERR_NULL, "source: vertices: must not be NULL"},
+        {circle, face, NULL, CATA_ERR_NULL, "target: faces: must not be NULL"},
+        {circle, beyond, face, CATA_ERR_MESH, "source: face 0"},
+        {circle, face, beyond, CATA_ERR_MESH, "target: face 0"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        CHECK_STATUS(cata_map_search(from, to, cases[i].source, 1, cases[i].of_source, circle, 1,
+                                     cases[i].of_target, CATA_ROW_MAJOR, map, K, NULL, &ambiguous, NULL,
+                                     NULL, NULL, NULL),
+                     cases[i].status);
+        CHECK_MENTIONS(cases[i].said);
+    }
     CHECK_STATUS(cata_map_search(from, to, circle, 1, face, circle, 1, face, CATA_ROW_MAJOR, map, K, NULL,
                                  &ambiguous, numbers, numbers, NULL, NULL),
                  CATA_ERR_ARGUMENT);

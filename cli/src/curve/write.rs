@@ -6,7 +6,7 @@ use std::path::Path;
 
 use anyhow::{Result, bail};
 use catamaran::io::Output;
-use catamaran_geometry::curve::{Outcome, Reconstruction};
+use catamaran_geometry::curve::Reconstruction;
 use catamaran_geometry::mesh::SurfacePoint;
 
 use super::samples::Group;
@@ -32,15 +32,10 @@ impl Format {
 /// The result for each group of samples.
 pub type Found<'a> = [(&'a Group, &'a Reconstruction)];
 
-/// Returns the first group that is not complete, else the first.
+/// Returns the first group that is not complete, else the first: its outcome is that of all.
 pub fn first<'a>(found: &Found<'a>) -> Option<(&'a Group, &'a Reconstruction)> {
     let is_incomplete = |(_, found): &&(&Group, &Reconstruction)| !found.outcome.is_complete();
     found.iter().find(is_incomplete).or(found.first()).copied()
-}
-
-/// Returns the outcome of all groups: the first that is not complete, else the first.
-pub fn outcome(found: &Found<'_>) -> Option<Outcome> {
-    first(found).map(|(_, found)| found.outcome)
 }
 
 /// The points of each curve of each group, on the faces of the mesh of the command line.
@@ -122,7 +117,7 @@ fn json(found: &Found<'_>, places: &Places) -> String {
     format!(
         "{{\n  \"outcome\": \"{}\",\n  \"length\": {length},\n  \"order\": {},\n  \
          \"left_out\": {},\n  \"outliers\": {},\n  \"path\": {},\n  \"curves\": [\n{}\n  ]\n}}\n",
-        outcome(found).map_or("", Outcome::name),
+        first(found).map_or("", |(_, found)| found.outcome.name()),
         list(order.into_iter()),
         list(left_out.into_iter()),
         list(outliers.into_iter()),
