@@ -3,7 +3,8 @@
 //! library's faithful mode, paths avoid such samples instead.
 
 use std::cmp::Reverse;
-use std::collections::{BinaryHeap, HashMap, HashSet};
+use std::collections::BinaryHeap;
+use std::iter::successors;
 
 use catamaran_geometry::mesh::Graph;
 
@@ -24,13 +25,17 @@ pub fn walk(
     candidates: usize,
     passed: Passed,
 ) -> Vec<u32> {
-    let mut waiting: HashMap<u32, u32> = samples.iter().copied().zip(0..).collect();
+    let mut waiting = vec![None; graph.len()];
+    for (&v, sample) in samples.iter().zip(0..) {
+        waiting[v as usize] = Some(sample);
+    }
     let mut order = vec![0];
-    let mut curve = HashSet::from([samples[0]]);
-    waiting.remove(&samples[0]);
+    let mut curve = vec![false; graph.len()];
+    waiting[samples[0] as usize] = None;
+    curve[samples[0] as usize] = true;
     let mut previous: Option<u32> = None;
     let mut reachable = samples.len() - 1;
-    while !waiting.is_empty() {
+    while order.len() < samples.len() {
         let at = samples[order[order.len() - 1] as usize];
         let wanted = candidates.min(reachable);
         let (near, predecessors) = nearest(graph, at, &waiting, &curve, wanted);
@@ -41,19 +46,17 @@ pub fn walk(
             angle(a, b, c)
         };
         let Some(next) = choose(&near, previous, angle) else { break };
-        let mut path = vec![next];
-        while let Some(&before) = predecessors.get(&path[path.len() - 1]) {
-            path.push(before);
-        }
+        let before = |&v: &u32| Some(predecessors[v as usize]);
+        let mut path: Vec<u32> = successors(Some(next), before).take_while(|&v| v != at).collect();
         path.reverse();
-        for &v in &path[1..] {
-            curve.insert(v);
-            let Some(&sample) = waiting.get(&v) else { continue };
+        for v in path {
+            curve[v as usize] = true;
+            let Some(sample) = waiting[v as usize] else { continue };
             if v != next && passed == Passed::Lost {
                 // No path leads there any more.
                 return order;
             }
-            waiting.remove(&v);
+            waiting[v as usize] = None;
             reachable = reachable.saturating_sub(1);
             order.push(sample);
         }
@@ -65,26 +68,26 @@ pub fn walk(
 
 type Near = Vec<(u32, f64)>;
 
-/// Returns the nearest samples that are not yet visited, and the tree of shortest paths that avoid
-/// the curve.
+/// Returns the nearest samples that are not yet visited, at most `wanted`, and for each vertex on
+/// the way the one before it on a shortest path that avoids the curve.
 fn nearest(
     graph: &Graph,
     from: u32,
-    waiting: &HashMap<u32, u32>,
-    curve: &HashSet<u32>,
+    waiting: &[Option<u32>],
+    curve: &[bool],
     wanted: usize,
-) -> (Near, HashMap<u32, u32>) {
-    let mut best = HashMap::from([(from, 0.0)]);
-    let mut predecessors = HashMap::new();
-    let mut done = HashSet::new();
+) -> (Near, Vec<u32>) {
+    let mut best = vec![f64::INFINITY; graph.len()];
+    let mut predecessors = vec![from; graph.len()];
+    let mut done = vec![false; graph.len()];
     let mut heap = BinaryHeap::from([Reverse((0.0_f64.to_bits(), from))]);
     let mut found = Vec::new();
     while let Some(Reverse((bits, v))) = heap.pop() {
-        if !done.insert(v) {
+        if std::mem::replace(&mut done[v as usize], true) {
             continue;
         }
         let distance = f64::from_bits(bits);
-        if waiting.contains_key(&v) {
+        if waiting[v as usize].is_some() {
             found.push((v, distance));
             if found.len() == wanted {
                 break;
@@ -92,9 +95,9 @@ fn nearest(
         }
         for (u, length) in graph.neighbours(v) {
             let longer = distance + length;
-            if !curve.contains(&u) && best.get(&u).is_none_or(|&known| longer < known) {
-                best.insert(u, longer);
-                predecessors.insert(u, v);
+            if !curve[u as usize] && longer < best[u as usize] {
+                best[u as usize] = longer;
+                predecessors[u as usize] = v;
                 heap.push(Reverse((longer.to_bits(), u)));
             }
         }

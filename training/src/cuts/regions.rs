@@ -6,6 +6,10 @@ use catamaran_geometry::mesh::{Adjacency, HeatMethod, HeatOptions, TriMesh, vert
 /// For each vertex of the template, whether it belongs to the region.
 pub type Mask = Vec<bool>;
 
+/// Distances are multiples of this share of the square root of the area. Their last digits differ
+/// from CPU to CPU, and would decide between mirror images, which are equally far away.
+const STEP: f64 = 1.0 / (1 << 20) as f64;
+
 /// A template with the data that cuts require.
 pub(crate) struct Surface<'m> {
     pub mesh: &'m TriMesh,
@@ -13,21 +17,27 @@ pub(crate) struct Surface<'m> {
     pub areas: Vec<f64>,
     pub neighbours: Adjacency,
     heat: HeatMethod,
+    /// Unit of the distances.
+    step: f64,
 }
 
 impl<'m> Surface<'m> {
     pub fn new(mesh: &'m TriMesh, mirror: &'m [u32], par: Par) -> Result<Self> {
         let heat = HeatMethod::new(mesh, &HeatOptions::new().par(par))?;
         let (areas, neighbours) = (vertex_areas(mesh), mesh.vertex_neighbors());
-        Ok(Self { mesh, mirror, areas, neighbours, heat })
+        let step = STEP * areas.iter().sum::<f64>().sqrt();
+        Ok(Self { mesh, mirror, areas, neighbours, heat, step })
     }
 
     pub fn len(&self) -> usize {
         self.mirror.len()
     }
 
+    /// Returns the geodesic distances from a vertex, rounded so that they are the same on all CPUs.
     pub fn distances(&self, from: u32) -> Result<Vec<f64>> {
-        self.heat.distances(&[from])
+        let mut distances = self.heat.distances(&[from])?;
+        distances.iter_mut().for_each(|d| *d = (*d / self.step).round() * self.step);
+        Ok(distances)
     }
 
     pub fn area(&self, mask: &[bool]) -> f64 {

@@ -67,3 +67,17 @@ fn the_same_options_cut_the_same_for_any_number_of_threads() {
     let other = CutOptions { seed: 4, ..options() };
     assert_ne!(cuts(&model, &other, Par::Seq).unwrap(), one);
 }
+
+#[test]
+fn mirror_images_are_equally_far_from_the_middle() {
+    let model = Model::new(Family::Humanoid, 1500).unwrap();
+    let surface = Surface::new(model.template(), model.mirror(), Par::all()).unwrap();
+    let middle: Vec<u32> =
+        (0..).zip(model.mirror()).filter(|(v, m)| v == *m).map(|(v, _)| v).collect();
+    assert!(middle.len() > 10);
+    for from in middle.into_iter().step_by(7) {
+        let distances = surface.distances(from).unwrap();
+        let images: Vec<f64> = model.mirror().iter().map(|&m| distances[m as usize]).collect();
+        assert_eq!(images, distances);
+    }
+}
