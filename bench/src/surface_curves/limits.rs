@@ -233,7 +233,7 @@ pub fn limit_tables(runs: &[Distances]) -> String {
         }
     }
     text += "\n**By mesh**, 100 even samples: mean edge of the true curves, and the median \
-             of the mean distance to              lines\n\n| mesh | vertices | edge |";
+             of the mean distance to lines\n\n| mesh | vertices | edge |";
     for variant in Variant::ALL {
         text += &format!(" {} |", variant.name());
     }
@@ -257,7 +257,7 @@ pub fn limit_tables(runs: &[Distances]) -> String {
 
 /// Columns of the record.
 pub const LIMITS_HEAD: &str = "mesh,vertices,samples,sampling,curve,edge,hausdorff,\
-                               root_mean,root_mean_square,                               hausdorff_lines,root_mean_lines";
+                               root_mean,root_mean_square,hausdorff_lines,root_mean_lines";
 
 impl Distances {
     /// Returns a line of CSV.
