@@ -2781,11 +2781,11 @@ typedef struct cata_plant_params {
     double viscosity; /**< Viscosity of the sap, in Pa s; 0: 1e-3. */
     double density; /**< Water in a cubic metre of full tissue, in kg; 0: 1000. */
     double elasticity_full; /**< Modulus of elasticity of full cells, in Pa; 0: 5e7. */
-    double elasticity_dry; /**< Modulus of elasticity of dry cells, in Pa; 0: 3e5. */
-    double elasticity_steepness; /**< Steepness of the curve between these; 0: 10. */
-    /** The relative water content at which the curve is steepest; 0: 0.75. */
+    double elasticity_dry; /**< Modulus of dry cells, in Pa (literal: must be 0); 0: 3e5. */
+    double elasticity_steepness; /**< Steepness of the curve (literal: in 1/g); 0: 10. */
+    /** Relative water content at the steepest point (literal: in grams, default 0); 0: 0.75. */
     double elasticity_shift;
-    /** 1: full / (1 + exp(-steepness (g - shift))), g in grams (thesis, equation 4.9). */
+    /** 1: full / (1 + exp(-steepness (g - shift))), g grams of water (thesis, equation 4.9). */
     int32_t elasticity_literal;
 } cata_plant_params;
 /** Fills a struct with the defaults. */

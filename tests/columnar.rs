@@ -168,6 +168,45 @@ fn integers_that_are_rounded_are_counted_and_durations_are_left_out() {
 }
 
 #[test]
+fn decimals_of_256_bits_are_read_if_they_have_at_most_38_digits() {
+    for name in ["decimals.arrow", "decimals.parquet"] {
+        let found = content(&file(name), &options(TableOptions::new().missing(Missing::Nan)));
+        let expected = Mat::from_fn(50, 2, |i, j| match (i, j) {
+            (3, 0) => f64::NAN,
+            (_, 0) => (125.0 * i as f64 - 1000.0) / 100.0,
+            // 2^53 + 1 is rounded.
+            (4, _) => 2_f64.powi(53),
+            _ => -(i as f64),
+        });
+        same(&doubles(&found), &expected);
+        let reading = found.reading.unwrap();
+        assert_eq!(reading.names(), ["narrow", "whole"]);
+        assert_eq!(reading.left_out, ["wide"]);
+        assert_eq!(reading.rounded.unwrap().count, 1, "{name}");
+        let wide = options(TableOptions::new()).columns(Columns::parse("wide"));
+        let refused = refusal(&file(name), &wide);
+        assert!(refused.contains("column wide has decimals of more than 38 digits"), "{refused}");
+    }
+}
+
+#[test]
+fn a_page_that_its_checksum_does_not_fit_is_refused() {
+    let whole = file("checked.parquet");
+    let expected = Mat::from_fn(50, 1, |i, _| KINDS[0].1(i as f64));
+    same(&doubles(&content(&whole, &ReadOptions::new())), &expected);
+    let mut bytes = fs::read(whole).unwrap();
+    let entry = KINDS[0].1(21.0).to_le_bytes();
+    let at = bytes.windows(entry.len()).position(|window| window == entry).unwrap();
+    bytes[at] ^= 1;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.parquet");
+    fs::write(&path, bytes).unwrap();
+    let refused = refusal(&path, &ReadOptions::new());
+    assert!(refused.contains("column f64, row group 0"), "{refused}");
+    assert!(refused.contains("CRC checksum"), "{refused}");
+}
+
+#[test]
 fn columns_are_chosen_by_name_and_what_has_no_numbers_is_refused_by_name() {
     for name in ["kinds.parquet", "kinds.arrow"] {
         let some = |list: &str| options(TableOptions::new()).columns(Columns::parse(list));
@@ -312,6 +351,16 @@ fn nan_is_a_missing_cell_as_it_is_in_text() {
     same(&doubles(&found), &Mat::from_fn(4, 1, |i, _| [0.0, 1.0, 2.0, 4.0][i]));
     assert_eq!(found.reading.unwrap().dropped_rows, 1);
     assert!(doubles(&content(&path, &with(Missing::Nan)))[(3, 0)].is_nan());
+}
+
+#[test]
+fn options_of_text_are_refused_and_others_are_not() {
+    for (name, kind) in [("pandas.parquet", "Parquet"), ("pandas.arrow", "Arrow")] {
+        let refused = refusal(&file(name), &options(TableOptions::new().header(true)));
+        let why = format!("option `header` applies to text tables, and this file is {kind}");
+        assert!(refused.ends_with(&why), "{refused}");
+        assert!(read_file(&file(name), &options(TableOptions::new().index(false))).is_ok());
+    }
 }
 
 #[test]

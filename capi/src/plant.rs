@@ -68,13 +68,13 @@ pub struct cata_plant_params {
     pub density: f64,
     /// Modulus of elasticity of full cells, in Pa; 0: 5e7.
     pub elasticity_full: f64,
-    /// Modulus of elasticity of dry cells, in Pa; 0: 3e5.
+    /// Modulus of dry cells, in Pa (literal: must be 0); 0: 3e5.
     pub elasticity_dry: f64,
-    /// Steepness of the curve between these; 0: 10.
+    /// Steepness of the curve (literal: in 1/g); 0: 10.
     pub elasticity_steepness: f64,
-    /// The relative water content at which the curve is steepest; 0: 0.75.
+    /// Relative water content at the steepest point (literal: in grams, default 0); 0: 0.75.
     pub elasticity_shift: f64,
-    /// 1: full / (1 + exp(-steepness (g - shift))), g in grams (thesis, equation 4.9).
+    /// 1: full / (1 + exp(-steepness (g - shift))), g grams of water (thesis, equation 4.9).
     pub elasticity_literal: i32,
 }
 
@@ -544,18 +544,7 @@ unsafe fn model(graph: Plant, params: *const cata_plant_params) -> Result<cata_p
     if params.conductance != 0.0 {
         options.conductivity = Conductivity::Pipe { scale: params.conductance };
     }
-    let mut elasticity = match flag("params.elasticity_literal", params.elasticity_literal)? {
-        true => Elasticity::Literal { full: 5e7, steepness: 10.0, shift: 0.0 },
-        false => Elasticity::default(),
-    };
-    let (Elasticity::Relative { full, steepness, shift, .. }
-    | Elasticity::Literal { full, steepness, shift }) = &mut elasticity;
-    *full = or_default(params.elasticity_full, *full);
-    *steepness = or_default(params.elasticity_steepness, *steepness);
-    *shift = or_default(params.elasticity_shift, *shift);
-    if let Elasticity::Relative { dry, .. } = &mut elasticity {
-        *dry = or_default(params.elasticity_dry, *dry);
-    }
+    let elasticity = elasticity(&params)?;
     // The constants are checked even without water to use them on.
     elasticity.moduli(&[1.0], &[1.0])?;
     let model = WaterModel::new(&graph, &options)?;
@@ -568,6 +557,28 @@ unsafe fn model(graph: Plant, params: *const cata_plant_params) -> Result<cata_p
         stepper: None,
         changed: false,
     })
+}
+
+/// Returns the law from water to stiffness.
+fn elasticity(params: &cata_plant_params) -> Result<Elasticity, Failure> {
+    let mut elasticity = match flag("params.elasticity_literal", params.elasticity_literal)? {
+        true => Elasticity::Literal { full: 5e7, steepness: 10.0, shift: 0.0 },
+        false => Elasticity::default(),
+    };
+    match &mut elasticity {
+        Elasticity::Relative { dry, .. } => *dry = or_default(params.elasticity_dry, *dry),
+        Elasticity::Literal { .. } if params.elasticity_dry != 0.0 => {
+            let zero = "0 with params.elasticity_literal";
+            return Err(Failure::argument("params.elasticity_dry", zero, params.elasticity_dry));
+        }
+        Elasticity::Literal { .. } => {}
+    }
+    let (Elasticity::Relative { full, steepness, shift, .. }
+    | Elasticity::Literal { full, steepness, shift }) = &mut elasticity;
+    *full = or_default(params.elasticity_full, *full);
+    *steepness = or_default(params.elasticity_steepness, *steepness);
+    *shift = or_default(params.elasticity_shift, *shift);
+    Ok(elasticity)
 }
 
 /// Changes a model.

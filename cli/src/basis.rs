@@ -1,8 +1,9 @@
 //! `catamaran basis`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use anyhow::Result;
+use anyhow::{Result, anyhow};
+use catamaran::Error;
 use catamaran::io::{Array, write_arrays};
 use catamaran::sparse::Mass;
 use catamaran_geometry::spectral::{ProductBasis, ProductBasisOptions};
@@ -64,7 +65,8 @@ pub fn run(args: &Args) -> Result<()> {
         .orthogonalization(args.mode.into())
         .par(args.laplacian.par())
         .progress(&update);
-    let basis = ProductBasis::new(&shape.eigenbasis, args.order, &options)?;
+    let basis = ProductBasis::new(&shape.eigenbasis, args.order, &options)
+        .map_err(|error| refused(error, &args.mesh))?;
     drop(bar);
     let products = basis.products();
     let count = products.len();
@@ -93,4 +95,16 @@ pub fn run(args: &Args) -> Result<()> {
     let path = output.path().display().to_string();
     write_arrays(output, &arrays)?;
     status!("written", path = path; "{path}")
+}
+
+/// Adds to an error about products of eigenfunctions the name of the mesh and, where the products
+/// depend on each other, the option that helps.
+pub fn refused(error: Error, mesh: &Path) -> anyhow::Error {
+    let mesh = mesh.display();
+    match error {
+        Error::Argument { what: "orthogonalization", why } => {
+            anyhow!("{mesh}: --mode: {why}; --mode rank-revealing leaves none")
+        }
+        error => anyhow::Error::from(error).context(mesh.to_string()),
+    }
 }

@@ -115,7 +115,8 @@ pub struct Args {
     /// for each vertex of the input, a column for each vertex of the result.
     #[arg(long, value_name = "FILE")]
     prolongation: Option<PathBuf>,
-    /// Print measures of uniformity and of the distance from the input.
+    /// Print measures of uniformity and of the distance from the input: a bound for all points of
+    /// both surfaces, and the Hausdorff and Chamfer distances of their vertices.
     #[arg(long)]
     report: bool,
     #[command(flatten)]
@@ -447,7 +448,7 @@ fn report_locked(locked: &[u32], found: &Decimation) -> Result<()> {
     if lost > 0 {
         note(format_args!(
             "{lost} of {edges} edges between locked vertices are longer than those of the result, \
-             and split"
+             and not in it"
         ));
     }
     status!(
@@ -564,11 +565,17 @@ fn report_result(args: &Args, input: &MeshFile, level: &Level, par: Par) -> Resu
         true => input.mesh.intersecting_faces(par).len(),
         false => 0,
     };
+    let option = size_option(args);
     if intersecting > before {
         let more = intersecting - before;
-        let option = size_option(args);
         note(format_args!(
             "{more} more faces intersect others than in the input: try another value of {option}"
+        ));
+    }
+    let flat = found.mesh.faces_without_area().len();
+    if flat > 0 {
+        note(format_args!(
+            "{flat} faces of the result have no area: try another value of {option}"
         ));
     }
     if !args.report && args.error.is_none() {
@@ -632,9 +639,9 @@ fn report_difference(difference: &Difference) -> Result<()> {
     let &Difference { hausdorff, chamfer, printed_hausdorff, printed_chamfer, .. } = difference;
     report!(
         "hausdorff": "Hausdorff",
-        distance = hausdorff,
+        of_vertices = hausdorff,
         as_printed = printed_hausdorff;
-        "{hausdorff:.4e}, eq. 5.8 as printed {printed_hausdorff:.4e}"
+        "{hausdorff:.4e} of the vertices, eq. 5.8 as printed {printed_hausdorff:.4e}"
     )?;
     report!(
         "chamfer": "Chamfer",

@@ -181,8 +181,18 @@ fn means(args: &Args, radius: f64, rings: usize, path: &Path) -> Result<(TriMesh
     let bar = Bar::new("descriptors");
     let update = |fraction| bar.update(fraction);
     let options = RingOptions::new(radius, rings).par(args.laplacian.par()).progress(&update);
-    let table = geodesic_rings(&mesh, functions.as_ref(), &options);
-    Ok((mesh, table.with_context(|| args.mesh.display().to_string())?))
+    let table = geodesic_rings(&mesh, functions.as_ref(), &options)
+        .with_context(|| args.mesh.display().to_string())?;
+    // The columns with the shares of the area in the rings around the one in the middle.
+    let outer = || (1..rings).map(|ring| ring * (1 + functions.ncols()));
+    let empty = table.row_iter().filter(|row| outer().all(|column| row[column] == 0.0)).count();
+    if rings > 1 && empty > 0 {
+        note(format_args!(
+            "--radius {radius}: {empty} of {vertices} rows have rings without vertices around the \
+             middle: too few vertices near"
+        ));
+    }
+    Ok((mesh, table))
 }
 
 fn spectral(args: &Args) -> Result<(TriMesh, Mat<f64>)> {

@@ -9,19 +9,20 @@ use catamaran::base::Progress;
 use catamaran::faer::Mat;
 use catamaran::io::{self as files, Output};
 use catamaran_geometry::decimate::{Cells, FarthestPoints};
+use catamaran_geometry::mesh::{Components, TriMesh};
 
 use crate::common::{Force, as_option};
 use crate::input::MeshArgs;
 use crate::parse;
 use crate::picture::{Paint, PictureArgs};
 use crate::progress::Bar;
-use crate::report::{report, seconds, status};
+use crate::report::{note, report, seconds, status};
 use crate::shape::column;
 
 /// Sample a mesh by farthest points, along its edges.
 ///
-/// Each sample is the vertex that is farthest from the samples before it.
-/// The first K samples are the same for every N of at least K.
+/// Each sample is the vertex that is farthest from the samples before it; a component without a
+/// sample is infinitely far. The first K samples are the same for every N of at least K.
 #[derive(clap::Args)]
 pub struct Args {
     #[arg(value_name = "MESH", help = crate::input::mesh_help("The mesh"))]
@@ -37,11 +38,12 @@ pub struct Args {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Write the number of the cell of each vertex of the mesh: an integer from 0, or -1 for a
-    /// vertex without a face (.npy, .csv, ...).
+    /// vertex without a face or in a component without a sample (.npy, .csv, ...).
     #[arg(long, value_name = "FILE")]
     cells: Option<PathBuf>,
     /// Write the distance of each vertex of the mesh from the sample of its cell, along edges and
-    /// in units of the mesh; infinite for a vertex without a face (.npy, .csv, ...).
+    /// in units of the mesh, computed in single precision (a relative error of about 1e-7);
+    /// infinite for a vertex in no cell (.npy, .csv, ...).
     #[arg(long, value_name = "FILE")]
     distances: Option<PathBuf>,
     #[command(flatten)]
@@ -77,7 +79,11 @@ pub fn run(args: &Args) -> Result<()> {
     drop(bar);
     let samples = points.samples();
     let cells = points.cells();
-    let (count, radius) = (samples.len(), cells.radius());
+    let count = samples.len();
+    let radius = match note_unreached(&input.mesh, &cells, count) {
+        0 => cells.radius(),
+        _ => f64::INFINITY,
+    };
     report!(
         "samples",
         count = count,
@@ -94,18 +100,36 @@ pub fn run(args: &Args) -> Result<()> {
         files::write_integers(output, table.as_ref())?;
     }
     if let Some(output) = of_distances {
-        let all = cells.distances();
-        files::write(output, Mat::from_fn(all.len(), 1, |v, _| f64::from(all[v])).as_ref())?;
+        let all = cells.lengths();
+        files::write(output, Mat::from_fn(all.len(), 1, |v, _| all[v]).as_ref())?;
     }
     if let Some(picture) = picture {
-        let far = |&distance: &f32| if distance.is_finite() { f64::from(distance) } else { 0.0 };
-        let values: Vec<f64> = cells.distances().iter().map(far).collect();
+        // NaN is drawn in grey.
+        let shown = |length: f64| if length.is_finite() { length } else { f64::NAN };
+        let values: Vec<f64> = cells.lengths().into_iter().map(shown).collect();
         let panel = (&input.mesh, Paint::Values(&values), "distance");
         args.picture.draw(picture, &args.input, &[panel])?;
     }
     let path = output.path().display().to_string();
     files::write_integers(output, column(samples).as_ref())?;
     status!("written", path = path; "{path}")
+}
+
+/// Notes that components have no sample, because there are more of them than samples, and returns
+/// how many.
+fn note_unreached(mesh: &TriMesh, cells: &Cells, samples: usize) -> usize {
+    let components = Components::new(mesh);
+    let numbers = components.of_vertices().iter().zip(cells.of_vertices());
+    let unreached = |&(&of, &cell): &(&u32, &u32)| of != Components::NONE && cell == Cells::NONE;
+    let (vertices, all) = (numbers.filter(unreached).count(), components.len());
+    let without = all.saturating_sub(samples);
+    if without > 0 {
+        note(format_args!(
+            "{without} of {all} components have no sample: {vertices} vertices are in no cell, and \
+             infinitely far from all samples; -n {all} is enough for one in each"
+        ));
+    }
+    without
 }
 
 /// Names the option that an error of the library is about.

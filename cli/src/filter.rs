@@ -186,7 +186,8 @@ fn products(args: &Args, shape: &Shape) -> Result<(Basis, Vec<f64>)> {
         .orthogonalization(Orthogonalization::Reorthogonalized)
         .par(args.laplacian.par())
         .progress(&update);
-    let basis = ProductBasis::new(&shape.eigenbasis, args.order, &options)?;
+    let basis = ProductBasis::new(&shape.eigenbasis, args.order, &options)
+        .with_context(|| args.mesh.display().to_string())?;
     drop(bar);
     let (functions, products) = (basis.len(), basis.products().len());
     status!(

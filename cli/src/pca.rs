@@ -96,12 +96,14 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     let table = args.gram.complete(ranks, table)?;
     let pass = Pass::new(&args.gram, ranks, &table, args.weights.as_deref(), true)?;
     let Some(gram) = pass.gram()? else { return pass.end() };
-    if gram.weight() <= 1.0 {
+    let weight = gram.weight();
+    if weight <= 1.0 {
+        // Without hundreds of zeros.
+        let sum = if weight < 1e-3 { format!("{weight:e}") } else { weight.to_string() };
         match &args.weights {
             Some(weights) => bail!(
-                "{}: the --weights add up to {}, but a variance needs more than 1",
-                weights.display(),
-                gram.weight()
+                "{}: the --weights add up to {sum}, but a variance needs more than 1",
+                weights.display()
             ),
             None => bail!("{}: one row, but a variance needs two", name()),
         }

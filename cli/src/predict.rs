@@ -1,5 +1,6 @@
 //! `catamaran predict`.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::fs;
 use std::io::Write as _;
@@ -8,9 +9,10 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, anyhow, bail};
 use catamaran::Par;
 use catamaran::base::block_rows;
-use catamaran::faer::{Mat, MatRef};
-use catamaran::io::{Columns, Missing, Output, ReadOptions};
-use catamaran::rows::{Design, DesignColumn, Factor, RowBlocks as _};
+use catamaran::faer::prelude::ReborrowMut;
+use catamaran::faer::{Mat, MatMut, MatRef};
+use catamaran::io::{Columns, FileFormat, Missing, Output, ReadOptions, TableReading};
+use catamaran::rows::{Design, DesignColumn, Factor, RowBlocks};
 use catamaran::solve::{Interval, LinearModel, Uncertainty};
 use clap::ValueEnum;
 use serde::Deserialize;
@@ -19,7 +21,7 @@ use crate::claims::{Purpose, claim};
 use crate::common::Force;
 use crate::gram::{SHOWN, Table, survey};
 use crate::progress::Bar;
-use crate::report::{head, message, note, row, shown, status};
+use crate::report::{head, note, row, shown, status};
 use crate::rows::{Source, open};
 use crate::tables::{MatrixFile, TableArgs};
 use crate::{output, parse};
@@ -29,10 +31,11 @@ const ROWS: usize = 4096;
 
 /// Predict targets from a table with the coefficients of `lstsq -o FIT.json`.
 ///
-/// The columns of the table are found by the names that the model has for them: those in the header
-/// of a text table, or numbers counted from 0 where there is no header. Other columns are not used.
-/// A level of a factor that the model does not have is an error. If columns of the model depended
-/// on others, a note names them. With `--missing nan` a row with a missing value has no prediction
+/// The columns of the table are found by the names that those of the fit had, such as those in the
+/// header of a text table. The columns of a fit without names have numbers, counted from 0: the
+/// table must have no names either, or these numbers for names. Other columns are not used. A level
+/// of a factor that the model does not have is an error. If columns of the model depended on
+/// others, a note names them. With `--missing nan` a row with a missing value has no prediction
 /// (NaN); with `--missing drop` the others have one, with the number of their row.
 #[derive(clap::Args)]
 pub struct Args {
@@ -94,8 +97,38 @@ struct Model {
 #[derive(Debug, Deserialize)]
 struct Term {
     column: String,
+    /// The name in the header where that is not `column`: it was empty.
+    name: Option<String>,
+    /// The number of a column without a name, or whose name was its number.
+    number: Option<usize>,
     #[serde(default)]
     levels: Vec<String>,
+}
+
+impl Term {
+    /// Returns the name that the column must have in a table with names.
+    fn name(&self) -> &str {
+        self.name.as_deref().unwrap_or(&self.column)
+    }
+
+    /// Says that a table with names lacks the column.
+    fn not_in(&self, reading: &TableReading) -> String {
+        if self.number.is_none() {
+            return format!("has no column called {}", self.name());
+        }
+        let mut known = reading.columns.iter().map(|column| column.name.as_str());
+        let example = known.find(|name| !name.is_empty());
+        let example = example.map_or(String::new(), |name| format!(", such as {name}"));
+        let how = match reading.format {
+            FileFormat::Table => "; --no-header, with --skip for the line of names, takes numbers",
+            _ => "",
+        };
+        let number = &self.column;
+        format!(
+            "the columns of the fit have numbers, such as {number}, and those of the table have \
+             names{example}{how}"
+        )
+    }
 }
 
 #[derive(Debug, Deserialize)]
@@ -117,8 +150,11 @@ pub fn run(args: &Args) -> Result<()> {
     model.note_dependent(&args.model);
     let missing = args.reading.missing();
     let needed = model.needs(args.reading.read_all_rows());
-    let table = Table::of(open("table", &args.table, &needed).map_err(without_column)?);
+    let table = open("table", &args.table, &needed);
+    let table = Table::of(table.map_err(|error| model.without_column(error, &args.table))?);
+    table.check_options(None, &args.reading.read())?;
     let name = || args.table.display().to_string();
+    model.check_columns(table.a()).with_context(name)?;
     let mut design = model.design(table.a()).with_context(name)?;
     if missing == Missing::Drop {
         design = design.without_rows(survey(&table, &[], missing, Par::all())?.missing);
@@ -153,8 +189,8 @@ pub fn run(args: &Args) -> Result<()> {
     let mut sink =
         Sink { output, model: &model, rows: (missing == Missing::Drop).then_some(&design) };
     sink.begin(args.interval.is_some())?;
-    let mut all = table.a().rows::<f64>(missing == Missing::Error)?;
-    let mut rows = design.rows(&mut *all).with_context(name)?;
+    let mut all = Checked::of(table.a(), missing != Missing::Error)?;
+    let mut rows = design.rows(&mut all).with_context(name)?;
     let (count, n) = (rows.nrows(), rows.ncols());
     let m = count.min(sink.most());
     let height = block_rows::<f64>(n, false).min(ROWS).min(m).max(1);
@@ -163,8 +199,15 @@ pub fn run(args: &Args) -> Result<()> {
         bar.step(first as f64 / m as f64)?;
         let mut block = Mat::zeros(height.min(m - first), n);
         let read = rows.read(first, block.as_mut());
-        read.map_err(|error| model.without_level(error)).with_context(name)?;
+        read.map_err(|error| model.about_rows(error, &args.table))?;
         let found = Predictions::of(&linear, block.as_ref(), args)?;
+        if let Some(i) = found.out_of_range(block.as_ref(), model.degrees_of_freedom > 0) {
+            bail!(
+                "{}: the prediction of row {} (counted from 0) is out of the range of f64",
+                args.table.display(),
+                design.row_of_table(first + i)
+            );
+        }
         sink.add(first, &found)?;
     }
     drop(bar);
@@ -174,10 +217,24 @@ pub fn run(args: &Args) -> Result<()> {
 impl Model {
     fn read(path: &Path) -> Result<Self> {
         claim(path, Purpose::Input)?;
-        let name = || path.display().to_string();
-        let text = fs::read_to_string(path).with_context(name)?;
-        serde_json::from_str(&text)
-            .with_context(|| format!("{}: not a model that `lstsq -o FIT.json` wrote", name()))
+        let bytes = fs::read(path).map_err(|error| catamaran::Error::io(path, error))?;
+        let name = path.display();
+        let Ok(text) = std::str::from_utf8(&bytes) else {
+            bail!("{name}: not a model, which `lstsq -o` writes where the name ends in .json")
+        };
+        let model: Self = serde_json::from_str(text)
+            .with_context(|| format!("{name}: not a model that `lstsq -o FIT.json` wrote"))?;
+        match model.shared_name() {
+            Some("") => bail!("{name}: two columns of the fit have no name"),
+            Some(shared) => bail!("{name}: two columns of the fit are called {shared}"),
+            None => Ok(model),
+        }
+    }
+
+    /// Returns a name that two columns have.
+    fn shared_name(&self) -> Option<&str> {
+        let mut known = BTreeSet::new();
+        self.terms.iter().map(Term::name).find(|name| !known.insert(*name))
     }
 
     /// Notes columns that depended on others: of all coefficients that fit the data equally well,
@@ -203,9 +260,31 @@ impl Model {
     fn needs<'a>(&self, options: ReadOptions<'a>) -> ReadOptions<'a> {
         let factors = self.terms.iter().filter(|term| !term.levels.is_empty());
         let table =
-            options.table.clone().factors(factors.map(|term| term.column.clone()).collect());
-        let columns = self.terms.iter().map(|term| term.column.clone()).collect();
+            options.table.clone().factors(factors.map(|term| term.name().to_owned()).collect());
+        let columns = self.terms.iter().map(|term| term.name().to_owned()).collect();
         options.columns(Columns::list(columns)).table(table)
+    }
+
+    /// Refuses a table of which columns were taken by their numbers in place of their names, or the
+    /// other way round, and words where the fit had numbers.
+    fn check_columns(&self, table: &Source) -> Result<()> {
+        let reading = table.reading().filter(|reading| reading.header);
+        let numbers = table.numbers();
+        for (j, term) in self.terms.iter().enumerate() {
+            let name = term.name();
+            if let Some(reading) = reading {
+                let own = reading.columns.get(j);
+                if own.is_none_or(|column| column.name != name) {
+                    bail!("{}", term.not_in(reading));
+                }
+            } else if numbers.get(j) != term.number.as_ref() {
+                bail!("has no column called {name}: its columns have no names");
+            }
+            if term.levels.is_empty() && !table.levels(j).is_empty() {
+                bail!("column {name} has words, and had numbers in the fit");
+            }
+        }
+        Ok(())
     }
 
     /// Returns the design of a table with the columns of the model.
@@ -222,6 +301,47 @@ impl Model {
             Ok(DesignColumn::Indicators(j, factor))
         };
         Ok(Design::new(self.terms.iter().enumerate().map(column).collect::<Result<_>>()?))
+    }
+
+    /// Says of an error about the columns of the fit what the table lacks.
+    fn without_column(&self, error: anyhow::Error, path: &Path) -> anyhow::Error {
+        let said = match error.downcast_ref() {
+            Some(catamaran::Error::Argument { what: "columns", why }) => self.lacking(why),
+            _ => None,
+        };
+        match said {
+            Some(said) => anyhow!("{}: {said}", path.display()),
+            None => error,
+        }
+    }
+
+    /// Returns what a table lacks of which the columns of the fit were not found for this reason.
+    fn lacking(&self, why: &str) -> Option<String> {
+        if let Some(rest) = why.strip_prefix("no column ") {
+            let unnamed = if rest.starts_with("; ") { "with an empty name" } else { "" };
+            return Some(format!("has no column {unnamed}{rest}"));
+        }
+        let name = why.strip_prefix("two columns are called ");
+        if let Some(name) = name.and_then(|rest| rest.strip_suffix("; give a number instead")) {
+            let which = match name {
+                "" => "have no name".into(),
+                name => format!("are called {name}"),
+            };
+            return Some(format!("two columns {which}, of which the fit had one"));
+        }
+        // The number that is the name of a column in the fit was taken for that of another one.
+        let is_number = |name: &&str| name.starts_with(|c: char| c.is_ascii_digit());
+        let numbers: Vec<&str> = self.terms.iter().map(Term::name).filter(is_number).collect();
+        why.ends_with(" is named twice")
+            .then(|| format!("has not all of the columns called {}", numbers.join(", ")))
+    }
+
+    /// Returns the error of reading rows, with the file.
+    fn about_rows(&self, error: catamaran::Error, path: &Path) -> anyhow::Error {
+        match error {
+            error @ catamaran::Error::Io { .. } => error.into(),
+            error => self.without_level(error).context(path.display().to_string()),
+        }
     }
 
     /// Says of an error about a level of a factor that the fit lacks it, and not the table.
@@ -261,11 +381,47 @@ impl Model {
     }
 }
 
-/// Says of an error about the columns of the fit that the table lacks one.
-fn without_column(error: anyhow::Error) -> anyhow::Error {
-    match message(&error).split_once(": columns: no column ") {
-        Some((path, rest)) => anyhow!("{path}: has no column {rest}"),
-        None => error,
+/// The rows of a table without infinities, and without NaN unless these are missing values.
+struct Checked<'a> {
+    rows: Box<dyn RowBlocks<f64> + Send + 'a>,
+    path: &'a Path,
+    /// The number of each column, and its name where it has one.
+    columns: Vec<String>,
+    takes_nan: bool,
+}
+
+impl<'a> Checked<'a> {
+    fn of(table: &'a Source, takes_nan: bool) -> Result<Self> {
+        let column = |(number, name): (usize, String)| match name == number.to_string() {
+            true => name,
+            false => format!("{number} ({name})"),
+        };
+        let columns = table.numbers().into_iter().zip(table.column_names()).map(column).collect();
+        Ok(Self { rows: table.rows::<f64>(false)?, path: table.path(), columns, takes_nan })
+    }
+}
+
+impl RowBlocks<f64> for Checked<'_> {
+    fn nrows(&self) -> usize {
+        self.rows.nrows()
+    }
+
+    fn ncols(&self) -> usize {
+        self.rows.ncols()
+    }
+
+    fn read(&mut self, first: usize, mut out: MatMut<'_, f64>) -> catamaran::Result<()> {
+        self.rows.read(first, out.rb_mut())?;
+        let is_wrong = |x: f64| x.is_infinite() || x.is_nan() && !self.takes_nan;
+        let wrong = |i: usize| Some((i, (0..out.ncols()).find(|&j| is_wrong(out[(i, j)]))?));
+        match (0..out.nrows()).find_map(wrong) {
+            Some((i, j)) => {
+                let (value, row, column) = (out[(i, j)], first + i, &self.columns[j]);
+                let what = format!("{value} in row {row} (counted from 0), column {column}");
+                Err(catamaran::Error::file(self.path, what))
+            }
+            None => Ok(()),
+        }
     }
 }
 
@@ -283,6 +439,18 @@ impl Predictions {
         });
         let ends = interval.map(|interval| model.intervals(rows, interval, args.confidence));
         Ok(Self { values: model.predict(rows)?, ends: ends.transpose()? })
+    }
+
+    /// Returns the first of these rows without a missing value of which a prediction is out of
+    /// range, or an end of its interval. Without degrees of freedom these ends are NaN.
+    fn out_of_range(&self, rows: MatRef<'_, f64>, has_freedom: bool) -> Option<usize> {
+        let checked = if has_freedom { usize::MAX } else { 1 };
+        let is_finite = |i: usize| {
+            let mut targets = 0..self.values.ncols();
+            targets.all(|q| self.of_entry(i, q).take(checked).all(f64::is_finite))
+        };
+        let is_complete = |i: usize| (0..rows.ncols()).all(|j| !rows[(i, j)].is_nan());
+        (0..rows.nrows()).find(|&i| !is_finite(i) && is_complete(i))
     }
 
     /// Returns the prediction, and the ends of its interval.

@@ -295,7 +295,8 @@ pub fn functions(path: &Path, rows: usize, table: &TableArgs) -> Result<Mat<f64>
 /// Reads a dense matrix of numbers.
 pub fn dense(path: &Path, table: &TableArgs) -> Result<Mat<f64>> {
     let options = table.read();
-    let content = files::read_file(path, &options)?;
+    // Of several files the options may apply to one only.
+    let content = files::read_one_of_several(path, &options)?;
     if let Some(reading) = &content.reading {
         tables::say(path, reading, &options)?;
     }

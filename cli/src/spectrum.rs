@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use catamaran::io::{Array, ArraysWriter, Output};
 use catamaran::sparse::{CsMat, EigenOptions, Eigenpairs, eigs_two_level};
 use catamaran_geometry::decimate::{DecimateOptions, decimate};
@@ -89,7 +89,7 @@ pub struct Args {
              are computed and written in slices of the spectrum, and a count of the eigenvalues \
              makes sure that none is missing. With --shift there are no slices, and too little \
              memory is an error. Works in one process only, not under `mpirun`",
-            MEMORY as f64 / f64::from(1 << 30)
+            MEMORY as f64 / GIB
         )
     )]
     memory: Option<usize>,
@@ -244,8 +244,11 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
             (ranks.eigenpairs(stiffness, mass, &options, args.memory.unwrap_or(MEMORY), take), mesh)
         }
     };
-    let found = found.map_err(|error| {
-        args.laplacian.unsolved(error, &args.input.display(), tolerance, args.shift)
+    let found = found.map_err(|error| match error {
+        catamaran::Error::Argument { what: "memory", why } => {
+            anyhow!("{}: --memory: {}", args.input.display(), in_gibibytes(&why))
+        }
+        error => args.laplacian.unsolved(error, &args.input.display(), tolerance, args.shift),
     });
     ranks.meet(found)?;
     drop(bar);
@@ -260,6 +263,19 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     }
     // The first process has written all results by now.
     ranks.meet(check_residual(args, ranks, worst, tolerance))
+}
+
+/// Returns the text of an error about too little memory in the unit of --memory: the least number
+/// that is enough, where the error has it in bytes.
+fn in_gibibytes(why: &str) -> String {
+    let number = |text: &str| text.split(' ').next()?.parse::<f64>().ok();
+    match why.strip_prefix("must be at least ").and_then(number) {
+        Some(bytes) => {
+            // Four digits after the point, rounded up.
+            format!("must be at least {} GiB", (1e4 * bytes / GIB).ceil() / 1e4)
+        }
+        None => format!("{why} (the unit of the option is GiB, {GIB} bytes)"),
+    }
 }
 
 /// Checks that all processes have read the same mesh.
@@ -466,6 +482,9 @@ impl<'a> Results<'a> {
         status!("written", path = self.path; "{}", self.path)
     }
 }
+
+/// Bytes of a GiB.
+const GIB: f64 = (1 << 30) as f64;
 
 /// The default of --memory, in bytes: 4.5 GiB.
 const MEMORY: usize = 9 << 29;

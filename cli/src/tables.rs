@@ -84,7 +84,8 @@ pub struct TableArgs {
     missing: Option<Missing>,
     /// The words of missing cells, between commas, instead of those of pandas such as NA. Empty
     /// cells are always missing.
-    #[arg(long, value_name = "WORDS", value_delimiter = ',', help_heading = HEADING)]
+    #[arg(long, value_name = "WORDS", value_delimiter = ',', allow_hyphen_values = true,
+          help_heading = HEADING)]
     missing_words: Option<Vec<String>>,
     /// Leave out the first column, which numbers or names the rows.
     #[arg(long, conflicts_with = "no_index", help_heading = HEADING)]

@@ -1,5 +1,6 @@
 //! `catamaran transfer`.
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
@@ -19,6 +20,7 @@ use catamaran_geometry::spectral::{
 };
 use clap::{ArgGroup, ValueEnum};
 
+use crate::basis::refused;
 use crate::common::Force;
 use crate::defaults::{stated, variant};
 use crate::output;
@@ -244,8 +246,8 @@ pub fn run(args: &Args) -> Result<()> {
     let points = correspondence(args, known, &source, &target, lens)?;
     let orthogonalization = Orthogonalization::from(args.mode);
     let bases = [
-        products(args, &source, lens.0, orthogonalization)?,
-        products(args, &target, lens.1, orthogonalization)?,
+        products(args, &source, &args.source, lens.0, orthogonalization)?,
+        products(args, &target, &args.target, lens.1, orthogonalization)?,
     ];
     let functions = [bases[0].len(), bases[1].len()];
     status!("bases", functions = functions; "{} and {} functions", functions[0], functions[1])?;
@@ -403,10 +405,11 @@ fn smooth(args: &Args) -> usize {
     args.smooth_functions.unwrap_or(SMOOTH).saturating_add(1)
 }
 
-/// Returns the orthogonalized products of the first `len` eigenfunctions.
+/// Returns the orthogonalized products of the first `len` eigenfunctions of the mesh of a file.
 fn products(
     args: &Args,
     shape: &Shape,
+    path: &Path,
     len: usize,
     orthogonalization: Orthogonalization,
 ) -> Result<ProductBasis> {
@@ -416,7 +419,8 @@ fn products(
         .orthogonalization(orthogonalization)
         .par(args.laplacian.par())
         .progress(&update);
-    Ok(ProductBasis::new(&shape.eigenbasis.truncated(len)?, args.order, &options)?)
+    ProductBasis::new(&shape.eigenbasis.truncated(len)?, args.order, &options)
+        .map_err(|error| refused(error, path))
 }
 
 /// Returns the coordinates of the target with the heights of the source over its smooth surface.
@@ -470,10 +474,9 @@ impl Known {
             return Ok(Self::Nothing);
         }
         let landmarks = match &args.landmarks {
-            Some(path) => shape::vertices(path, &[n, m], &args.table)?,
+            Some(path) => landmarks(path, shape::vertices(path, &[n, m], &args.table)?)?,
             None => Vec::new(),
         };
-        let landmarks = landmarks.iter().map(|pair| (pair[0], pair[1])).collect();
         let segments = match args.segments.as_deref() {
             Some([source, target]) => {
                 let labels = |path, rows| shape::labels(path, rows, &args.table);
@@ -486,6 +489,25 @@ impl Known {
         };
         Ok(Self::Pairs { landmarks, segments })
     }
+}
+
+/// Returns the pairs of vertices in the rows of a file, in which each vertex has one partner.
+fn landmarks(path: &Path, rows: Vec<Vec<u32>>) -> Result<Vec<(u32, u32)>> {
+    for (own, other, mesh) in [(0, 1, "source"), (1, 0, "target")] {
+        let mut partners = HashMap::new();
+        for (row, pair) in rows.iter().enumerate() {
+            let (vertex, partner) = (pair[own], pair[other]);
+            let &mut (first, before) = partners.entry(vertex).or_insert((row, partner));
+            if partner != before {
+                bail!(
+                    "{}: rows {first} and {row} (from 0): vertex {vertex} of the {mesh} has the \
+                     partners {before} and {partner}",
+                    path.display()
+                );
+            }
+        }
+    }
+    Ok(rows.iter().map(|pair| (pair[0], pair[1])).collect())
 }
 
 impl Known {
@@ -548,8 +570,8 @@ fn correspondence(
         Refine::Zoomout => zoomout(c, all.0.basis(), all.1.basis(), step, par, progress)?.points,
         Refine::Products => {
             let orthogonal = Orthogonalization::Reorthogonalized;
-            let from = products(args, source, lens.0, orthogonal)?;
-            let to = products(args, target, lens.1, orthogonal)?;
+            let from = products(args, source, &args.source, lens.0, orthogonal)?;
+            let to = products(args, target, &args.target, lens.1, orthogonal)?;
             let step = lens.0.max(lens.1);
             zoomout(c, from.basis(), to.basis(), step, par, progress)?.points
         }

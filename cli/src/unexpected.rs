@@ -1,6 +1,7 @@
 //! Errors of unexpected arguments that say what to write instead: the new name of an option that
-//! earlier versions called otherwise (clap suggests the nearest name, that of another option), and
-//! the option of a number or a file that stands alone.
+//! earlier versions called otherwise (clap suggests the nearest name, that of another option), the
+//! option of a number or a file that stands alone, and the way to give a value that begins with a
+//! minus.
 
 use std::ffi::OsString;
 
@@ -38,7 +39,8 @@ pub fn explained(error: clap::Error, program: &Command, words: &[OsString]) -> c
         ErrorKind::UnknownArgument => new_name(command, wrong)
             .map(|new| format!("unexpected argument '{wrong}' found: its name is '{new}' now"))
             .or_else(|| names_state(command, wrong, words).then(state_of_resume))
-            .or_else(|| number_of_option(inner, wrong, words)),
+            .or_else(|| number_of_option(inner, wrong, words))
+            .or_else(|| value_with_minus(inner, wrong, words)),
         ErrorKind::TooManyValues if command == "slime" && wrong == "--resume" => {
             Some(state_of_resume())
         }
@@ -68,6 +70,22 @@ fn number_of_option(command: &Command, argument: &str, words: &[OsString]) -> Op
     let is_given = words.iter().any(|word| word.to_string_lossy().starts_with(&option));
     (!is_given).then(|| {
         format!("unexpected argument '{argument}' found: '{option} {argument}' gives the number")
+    })
+}
+
+/// Returns what is wrong with a value that begins with a minus: `wrong` is its beginning, which
+/// would be an option, and what is before it takes a value.
+fn value_with_minus(command: &Command, wrong: &str, words: &[OsString]) -> Option<String> {
+    let takes_value = |word: &str| {
+        let is_named = |arg: &Arg| arg.get_long().is_some_and(|long| word == format!("--{long}"));
+        command.get_arguments().any(|arg| is_named(arg) && arg.get_action().takes_values())
+    };
+    words.windows(2).find_map(|pair| {
+        let [option, value] = [&pair[0], &pair[1]].map(|word| word.to_string_lossy());
+        let is_value = wrong.starts_with('-') && !wrong.starts_with("--");
+        (is_value && value.starts_with(wrong) && takes_value(&option)).then(|| {
+            format!("unexpected argument '{value}' found: '{option}={value}' gives it as a value")
+        })
     })
 }
 
@@ -148,6 +166,21 @@ mod tests {
             assert!(message.starts_with(&wanted), "{line}: {message}");
         }
         for line in ["decimate a.obj -n 30 20", "decimate a.obj b.obj", "ata a.csv 20"] {
+            let message = message(&format!("catamaran {line}"));
+            assert!(message.contains("' found\n"), "{line}: {message}");
+        }
+    }
+
+    #[test]
+    fn a_value_that_begins_with_a_minus_is_given_behind_an_equals_sign() {
+        for (option, value) in [("--columns", "-a,b"), ("--encoding", "-9,none")] {
+            let message = message(&format!("catamaran ata a.csv {option} {value}"));
+            let wanted = format!(
+                "error: unexpected argument '{value}' found: '{option}={value}' gives it as a value"
+            );
+            assert!(message.starts_with(&wanted), "{message}");
+        }
+        for line in ["ata a.csv --header -9,none", "ata a.csv -a,b"] {
             let message = message(&format!("catamaran {line}"));
             assert!(message.contains("' found\n"), "{line}: {message}");
         }

@@ -111,10 +111,9 @@ pub fn farthest_points<'py>(
         Ok((points.samples().to_vec(), points.cells()))
     })?;
     let number = |&v: &u32| if v == u32::MAX { -1 } else { i64::from(v) };
-    let distances: Vec<f64> = cells.distances().iter().map(|&d| f64::from(d)).collect();
     Ok((
         from_vec(py, samples.iter().map(number).collect::<Vec<_>>()).into_any(),
         from_vec(py, cells.of_vertices().iter().map(number).collect::<Vec<_>>()).into_any(),
-        from_vec(py, distances).into_any(),
+        from_vec(py, cells.lengths()).into_any(),
     ))
 }

@@ -115,6 +115,8 @@ def test_errors(rng):
         sums.merge(catamaran.Accumulator(3, dtype=np.float32))
     with pytest.raises(ValueError, match="bounds: exact sums need them"):
         catamaran.Accumulator(3, kind="exact")
+    with pytest.raises(ValueError, match="largest_weight: applies to sums with bounds"):
+        catamaran.Accumulator(3, largest_weight=2.0)
     with pytest.raises(ValueError, match="'nice' is not one of"):
         catamaran.Accumulator(3, kind="nice")
     with pytest.raises(ValueError, match="no extended precision"):

@@ -36,21 +36,35 @@ const OPERATIONS: f64 = 9.0;
 pub fn symmetric_eigen(matrix: MatRef<'_, f64>) -> Result<SymmetricEigen> {
     let n = matrix.nrows();
     Error::check_shape("matrix", (n, n), matrix.shape())?;
+    let mut largest = 0.0f64;
     for j in 0..n {
-        if let Some(i) = (j..n).find(|&i| !matrix[(i, j)].is_finite()) {
-            return Err(Error::NonFinite { what: "matrix", index: (i, j) });
+        for i in j..n {
+            if !matrix[(i, j)].is_finite() {
+                return Err(Error::NonFinite { what: "matrix", index: (i, j) });
+            }
+            largest = largest.max(matrix[(i, j)].abs());
         }
     }
     if n == 0 {
         // faer's scratch query subtracts from the size.
         return Ok(SymmetricEigen { values: vec![], vectors: Mat::new() });
     }
-    let mut owned = zeros(n, n)?;
-    owned.copy_from(matrix);
-    apart(OPERATIONS * (n as f64).powi(3), move || decompose(&owned))?
+    // faer's divide and conquer takes entries below its tolerance for zeros: it is one for matrices
+    // whose entries are about 1. A power of two changes no digit.
+    let exponent = largest.log2().floor().clamp(-1000.0, 1022.0) as i32;
+    let (down, up) = (2f64.powi(-exponent), 2f64.powi(exponent));
+    let mut scaled = zeros(n, n)?;
+    for j in 0..n {
+        for i in j..n {
+            scaled[(i, j)] = down * matrix[(i, j)];
+        }
+    }
+    let mut found = apart(OPERATIONS * (n as f64).powi(3), move || decompose(&scaled))??;
+    found.values.iter_mut().for_each(|value| *value *= up);
+    Ok(found)
 }
 
-/// Computes [`symmetric_eigen`] of a finite matrix that has entries.
+/// Computes [`symmetric_eigen`] of a finite matrix that has entries, the largest of them about 1.
 fn decompose(matrix: &Mat<f64>) -> Result<SymmetricEigen> {
     let (n, par) = (matrix.nrows(), faer::Par::Seq);
     let requirement =
@@ -87,6 +101,30 @@ mod tests {
             let back = &scaled * vectors.transpose();
             let gap = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
             assert!(gap.into_iter().all(|p| (back[p] - matrix[p]).abs() < 1e-12 * n as f64));
+        }
+    }
+
+    #[test]
+    fn errors_are_relative_to_matrices_of_every_size() {
+        let mut rng = Rng::new(2);
+        // Divide and conquer begins above 128 columns.
+        let n = 200;
+        let half = Mat::from_fn(n, n, |_, _| rng.normal());
+        let matrix = &half + half.transpose();
+        let whole = symmetric_eigen(matrix.as_ref()).unwrap();
+        for exponent in [-1060, -1020, -300, -27, 40, 900, 1015] {
+            // In two factors, as one may be out of range.
+            let [one, other] = [exponent / 2, exponent - exponent / 2].map(|e| 2f64.powi(e));
+            let scaled = Mat::from_fn(n, n, |i, j| matrix[(i, j)] * one * other);
+            let found = symmetric_eigen(scaled.as_ref()).unwrap();
+            if exponent > -1000 {
+                assert!(found.vectors == whole.vectors, "{exponent}");
+                let values: Vec<f64> = whole.values.iter().map(|x| x * one * other).collect();
+                assert_eq!(found.values, values);
+            } else {
+                let gap = found.vectors.transpose() * &found.vectors - Mat::<f64>::identity(n, n);
+                assert!(gap.norm_max() < 1e-13, "{exponent}");
+            }
         }
     }
 

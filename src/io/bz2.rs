@@ -6,7 +6,10 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use bzip2::{Decompress, Status};
 
-use super::packing::{damaged, truncated};
+use super::packing::{damaged, followed, truncated};
+
+/// The byte with which a stream begins.
+const START: u8 = b'B';
 
 /// A file being unpacked.
 pub(super) struct Unpacker<R> {
@@ -22,8 +25,9 @@ pub(super) struct Unpacker<R> {
 #[derive(Debug, Clone, Copy)]
 enum Fault {
     Truncated,
-    /// Also bytes behind the last stream, which bzip2 itself leaves out with a warning.
     Damaged,
+    /// Other bytes follow the last stream; bzip2 itself leaves them out with a warning.
+    Followed,
     NoMemory,
 }
 
@@ -32,6 +36,7 @@ impl From<Fault> for io::Error {
         match fault {
             Fault::Truncated => truncated(),
             Fault::Damaged => damaged(".bz2"),
+            Fault::Followed => followed(".bz2"),
             Fault::NoMemory => io::ErrorKind::OutOfMemory.into(),
         }
     }
@@ -47,8 +52,10 @@ impl<R: BufRead> Unpacker<R> {
         loop {
             let packed = self.packed.fill_buf()?;
             if self.has_ended {
-                if packed.is_empty() {
-                    return Ok(0);
+                match packed.first() {
+                    None => return Ok(0),
+                    Some(&START) => {}
+                    Some(_) => return Err(self.fail(Fault::Followed)),
                 }
                 self.decoder = Decompress::new(false);
                 self.has_ended = false;
@@ -109,6 +116,8 @@ mod tests {
 
     const DAMAGED: &str = "damaged .bz2 file: it can't be unpacked";
 
+    const FOLLOWED: &str = "damaged .bz2 file: behind what is packed there are other bytes";
+
     fn packed(text: &[u8]) -> Vec<u8> {
         let mut encoder = BzEncoder::new(Vec::new(), Compression::fast());
         encoder.write_all(text).unwrap();
@@ -161,8 +170,9 @@ mod tests {
             }
         }
         for more in [&b"and more"[..], b"\0", b"1,2\n"] {
-            assert_eq!(unpacked(&[&ONE[..], more].concat()).unwrap_err(), DAMAGED);
+            assert_eq!(unpacked(&[&ONE[..], more].concat()).unwrap_err(), FOLLOWED);
         }
+        assert_eq!(unpacked(&[&ONE[..], b"BZ2"].concat()).unwrap_err(), DAMAGED);
     }
 
     #[test]
@@ -171,7 +181,7 @@ mod tests {
         let mut unpacker = Unpacker::new(&bytes[..]);
         assert_eq!(unpacker.read(&mut [0; 64]).unwrap(), 4);
         for _ in 0..2 {
-            assert_eq!(unpacker.read(&mut [0; 64]).unwrap_err().to_string(), DAMAGED);
+            assert_eq!(unpacker.read(&mut [0; 64]).unwrap_err().to_string(), FOLLOWED);
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The columns that a reader keeps.
 
+use std::fmt;
 use std::ops::Range;
 
 use crate::base::{Error, Result};
@@ -42,6 +43,18 @@ impl From<Range<usize>> for Columns {
 impl From<Option<Range<usize>>> for Columns {
     fn from(range: Option<Range<usize>>) -> Self {
         range.map_or(Self::ALL, Self::from)
+    }
+}
+
+/// Writes the columns as a message calls them: `all columns`, or `columns` and the list.
+impl fmt::Display for Columns {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.0 {
+            Kept::All => f.write_str("all columns"),
+            Kept::Range(Range { start, end }) => write!(f, "columns {start}..{end}"),
+            Kept::List(items) => write!(f, "columns {}", items.join(", ")),
+            Kept::Text(text) => write!(f, "columns {text}"),
+        }
     }
 }
 
@@ -195,23 +208,41 @@ fn one(item: &str, names: &[String], ncols: usize) -> Result<Range<usize>> {
     let range = bounds(item);
     match (between, &range) {
         (Some((first, _, last)), Some(range)) if (range.start, range.end) == (first, last) => {}
-        (Some((first, name, last)), _) => {
-            let end = last + 1;
-            return refuse(format!(
-                "{item}: a range has numbers of columns, counted from 0, and no names: \
-                 {first}..{end} ends with {name}, {first}..{last} before it"
-            ));
-        }
+        (Some((first, name, last)), _) => return between_names(item, first, name, last),
         (None, _) => {}
     }
     if range.is_some() {
         return checked_columns(range.as_ref(), ncols);
+    }
+    if let Some(whole) = with_both_ends(item, ncols) {
+        return refuse(format!("{item}: a range has two ends, FIRST..END without END: {whole}"));
     }
     let known = match names {
         [] => format!("the file has {ncols} columns without names, counted from 0"),
         names => format!("the columns are {}", listed(names)),
     };
     refuse(format!("no column {item}; {known}"))
+}
+
+/// Returns the error of a range between two names, those of the columns `first` and `last`.
+fn between_names<T>(item: &str, first: usize, name: &str, last: usize) -> Result<T> {
+    let known = format!("{item}: a range has numbers of columns, counted from 0, and no names");
+    let end = last + 1;
+    refuse(match first < last {
+        true => format!("{known}: {first}..{end} ends with {name}, {first}..{last} before it"),
+        false => format!("{known}: its names are those of the columns {first} and {last}"),
+    })
+}
+
+/// Returns the range, of `ncols` columns, that a text with one end of it may mean.
+fn with_both_ends(item: &str, ncols: usize) -> Option<String> {
+    let (first, end) = item.split_once("..")?;
+    let column = |text: &str| text.parse::<usize>().ok();
+    match (first, end) {
+        ("", end) => Some(format!("0..{}", column(end).filter(|end| (1..=ncols).contains(end))?)),
+        (first, "") => Some(format!("{}..{ncols}", column(first).filter(|&first| first < ncols)?)),
+        _ => None,
+    }
 }
 
 /// Returns the range FIRST..END that a text is.
@@ -269,6 +300,26 @@ mod tests {
         let shifted = ["x", "0", "1", "2", "3"];
         assert!(of("1..3", &shifted).unwrap_err().contains("2..5 ends with 3"));
         assert_eq!(Columns::from(1..3).of(&shifted.map(str::to_owned), 5).unwrap(), [1, 2]);
+    }
+
+    #[test]
+    fn a_range_between_names_in_reverse_names_their_columns() {
+        let refused = of("0..2", &["2", "0", "1"]).unwrap_err();
+        assert!(refused.ends_with("its names are those of the columns 1 and 0"), "{refused}");
+        let refused = of("b..b", &["a", "b"]).unwrap_err();
+        assert!(refused.ends_with("those of the columns 1 and 1"), "{refused}");
+    }
+
+    #[test]
+    fn a_range_of_one_end_says_what_both_may_be() {
+        let names = ["a", "b", "c", "d", "e"];
+        for (text, whole) in [("3..", "3..5"), ("..2", "0..2"), ("a,1..", "1..5")] {
+            let refused = of(text, &names).unwrap_err();
+            assert!(refused.ends_with(&format!("FIRST..END without END: {whole}")), "{refused}");
+        }
+        for text in ["5..", "..6", "..0", "..", "a.."] {
+            assert!(of(text, &names).unwrap_err().contains(&format!("no column {text};")));
+        }
     }
 
     #[test]

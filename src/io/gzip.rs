@@ -4,7 +4,7 @@ use std::io::{self, BufRead, Read};
 
 use flate2::bufread::GzDecoder;
 
-use super::packing::{damaged, truncated};
+use super::packing::{damaged, followed, truncated};
 
 /// The byte with which a member begins.
 const START: u8 = 0x1f;
@@ -44,10 +44,7 @@ fn next<R: BufRead>(mut packed: R) -> io::Result<Option<GzDecoder<R>>> {
             Some(&START) if zeros == 0 && !is_filled => {
                 return Ok(Some(GzDecoder::new(packed)));
             }
-            Some(_) => {
-                let what = "damaged .gz file: behind what is packed there are other bytes";
-                return Err(io::Error::other(what));
-            }
+            Some(_) => return Err(followed(".gz")),
             None if zeros == 0 => return Ok(None),
             None => {}
         }

@@ -154,7 +154,8 @@ impl FileContent {
 /// [`Error::Io`] with file and line, and with the option that decides where a
 /// text table has several readings; [`Error::OutOfMemory`](crate::Error),
 /// [`Error::Cancelled`](crate::Error); [`Error::Argument`] when
-/// `options.columns` is not inside the matrix, or an option of a table is out of its range.
+/// `options.columns` is not inside the matrix, or an option of a table is out of its range. An
+/// option of tables that does not apply to the format of the file is an [`Error::Io`], too.
 pub fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Matrix> {
     Ok(read_file(path, options)?.matrix)
 }
@@ -177,11 +178,28 @@ pub fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Matrix> {
 /// # Errors
 /// As [`read`].
 pub fn read_file(path: &Path, options: &ReadOptions<'_>) -> Result<FileContent> {
+    read_checked(path, options, |format| options.check_effects(path, &[format], false))
+}
+
+/// Reads as [`read_file`] does one of several files that have the same options: those of tables
+/// that do not apply to it are no error. For the command line.
+#[doc(hidden)]
+pub fn read_one_of_several(path: &Path, options: &ReadOptions<'_>) -> Result<FileContent> {
+    read_checked(path, options, |_| Ok(()))
+}
+
+/// Reads a file after a check of the options for its format; `None` is an array.
+fn read_checked(
+    path: &Path,
+    options: &ReadOptions<'_>,
+    check: impl Fn(Option<FileFormat>) -> Result<()>,
+) -> Result<FileContent> {
     let ReadOptions { max_memory, progress, .. } = *options;
     let source_options = SourceOptions { max_memory, progress };
     let columns = &options.columns;
     if let Some((file, name)) = names::npz_array(path).filter(|_| options.format.is_none()) {
         options.check_array(path)?;
+        check(None)?;
         let (matrix, rounded) = archive::read(&file, name, &source_options, columns)?;
         let (matrix, numbers) = matrix.choose(columns)?;
         return Ok(FileContent { matrix, names: Vec::new(), numbers, reading: None, rounded });
@@ -196,6 +214,7 @@ pub fn read_file(path: &Path, options: &ReadOptions<'_>) -> Result<FileContent> 
     let (matrix, rounded) = match format {
         FileFormat::Npy | FileFormat::Mtx => {
             options.check_array(path)?;
+            check(None)?;
             match format {
                 FileFormat::Npy => npy::read(&mut source, columns)?,
                 _ => mtx::read(&mut source, columns)?,
@@ -203,6 +222,7 @@ pub fn read_file(path: &Path, options: &ReadOptions<'_>) -> Result<FileContent> 
         }
         FileFormat::Table => return content(table::read(&mut source, &options.table, columns)?),
         FileFormat::Parquet | FileFormat::Arrow => {
+            check(Some(format))?;
             if source.packing() != Packing::None {
                 let what = "packed, so that its end can't be read first: unpack it first";
                 return Err(source.fail(what));

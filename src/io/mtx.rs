@@ -326,7 +326,7 @@ fn check_diagonal<E: Entry>(source: &Source<'_>, symmetry: Symmetry, value: E) -
 }
 
 fn index(word: &str) -> std::result::Result<usize, String> {
-    word.parse().map_err(|_| format!("{word:?} is not a number"))
+    word.parse().map_err(|_| format!("{word:?} is not a whole number of at least 1"))
 }
 
 fn pattern(line: &str) -> std::result::Result<(usize, usize), String> {

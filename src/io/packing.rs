@@ -153,6 +153,12 @@ pub(super) fn damaged(ending: &str) -> io::Error {
     io::Error::other(format!("damaged {ending} file: it can't be unpacked"))
 }
 
+/// Returns the error of a file in which other bytes follow what is packed.
+pub(super) fn followed(ending: &str) -> io::Error {
+    let what = format!("damaged {ending} file: behind what is packed there are other bytes");
+    io::Error::other(what)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

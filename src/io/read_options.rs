@@ -37,6 +37,19 @@ options! {
     }
 }
 
+/// Options of tables for the notation of text, which that of weights shares.
+const NOTATION: [&str; 6] =
+    ["separator", "decimal", "thousands", "comment", "missing_words", "encoding"];
+
+/// Returns whether an option of tables applies to a file of this format; `None` is an array.
+fn applies(name: &str, format: Option<FileFormat>) -> bool {
+    match (name, format) {
+        ("missing", _) | (_, Some(FileFormat::Table)) => true,
+        ("index", Some(format)) => format.is_columnar(),
+        _ => false,
+    }
+}
+
 impl ReadOptions<'_> {
     /// Checks that no rows are to be left out of an array: it has no missing cells, and its NaN are
     /// numbers. Public for the command line, which reads arrays block by block.
@@ -50,6 +63,35 @@ impl ReadOptions<'_> {
         }
         let option = option("missing");
         let what = format!("{option} = drop: an array has no missing cells; its NaN are numbers");
+        Err(Error::file(path, what))
+    }
+
+    /// Checks that each option of tables that was given applies to a file of one of these formats,
+    /// the first of which is that of the file at `path`; `None` is an array. The options of
+    /// notation also apply to weights in text, if there may be some. Public for the command line,
+    /// which reads several files with the same options.
+    ///
+    /// # Errors
+    /// [`Error::Io`] names the file and the option.
+    #[doc(hidden)]
+    pub fn check_effects(
+        &self,
+        path: &Path,
+        formats: &[Option<FileFormat>],
+        has_weights: bool,
+    ) -> Result<()> {
+        let is_idle = |(name, _): &(&str, String)| {
+            let of_weights = has_weights && NOTATION.contains(name);
+            !of_weights && !formats.iter().any(|&format| applies(name, format))
+        };
+        let Some((name, _)) = self.table.given().into_iter().find(is_idle) else { return Ok(()) };
+        let tables = if name == "index" { "tables" } else { "text tables" };
+        let kind = match formats.first().copied().flatten() {
+            Some(FileFormat::Parquet) => "Parquet",
+            Some(FileFormat::Arrow) => "Arrow",
+            _ => "an array",
+        };
+        let what = format!("{} applies to {tables}, and this file is {kind}", option(name));
         Err(Error::file(path, what))
     }
 }

@@ -64,6 +64,17 @@ impl TableFile {
     /// # Errors
     /// As [`read_file`](crate::io::read_file).
     pub fn open(path: &Path, options: &ReadOptions<'_>) -> Result<Option<Self>> {
+        let file = Self::open_one_of_several(path, options)?;
+        if let Some(file) = &file {
+            options.check_effects(path, &[Some(file.reading().format)], false)?;
+        }
+        Ok(file)
+    }
+
+    /// Opens as [`TableFile::open`] does one of several files that have the same options: those
+    /// that do not apply to it are no error. For the command line.
+    #[doc(hidden)]
+    pub fn open_one_of_several(path: &Path, options: &ReadOptions<'_>) -> Result<Option<Self>> {
         let named = FileFormat::of_name(path);
         let is_packed = named.is_some_and(|(_, packing)| packing != Packing::None);
         match options.format.or(named.map(|(format, _)| format)) {

@@ -340,6 +340,11 @@ fn broken_matrix_market_is_refused_with_its_line() {
             "entry (1, 2) is outside",
         ),
         (
+            "%%MatrixMarket matrix coordinate real general\n1 1 1\n1.0 1 5\n",
+            3,
+            "\"1.0\" is not a whole number",
+        ),
+        (
             "%%MatrixMarket matrix coordinate real general\n1 1 1\n1 1\n",
             3,
             "expected row column value",
@@ -361,6 +366,43 @@ fn broken_matrix_market_is_refused_with_its_line() {
         assert!(what.starts_with(expected), "{what:?} instead of {expected:?}");
         assert_eq!(at, Some(line), "{content}");
     }
+}
+
+#[test]
+fn options_of_text_are_refused_for_arrays_unless_another_file_has_text() {
+    let folder = Folder::new();
+    let npy = folder.path("a.npy");
+    write(Output::create(&npy, Overwrite::Never).unwrap(), mat![[1.0, 2.0]].as_ref()).unwrap();
+    let mtx = folder.file("a.mtx", "%%MatrixMarket matrix array real general\n1 1\n1\n");
+    for (table, name) in [
+        (TableOptions::new().separator(Separator::Char(';')), "separator"),
+        (TableOptions::new().decimal(','), "decimal"),
+        (TableOptions::new().thousands(','), "thousands"),
+        (TableOptions::new().header(false), "header"),
+        (TableOptions::new().skip(1), "skip"),
+        (TableOptions::new().comment('%'), "comment"),
+        (TableOptions::new().missing_words(vec!["-999".to_owned()]), "missing_words"),
+        (TableOptions::new().encoding("latin1".to_owned()), "encoding"),
+        (TableOptions::new().index(true), "index"),
+    ] {
+        let options = ReadOptions::new().table(table);
+        let tables = if name == "index" { "tables" } else { "text tables" };
+        let why = format!("option `{name}` applies to {tables}, and this file is an array");
+        for path in [&npy, &mtx] {
+            let said = read(path, &options).unwrap_err().to_string();
+            assert!(said.ends_with(&format!(": {why}")), "{said}");
+            assert!(read_one_of_several(path, &options).is_ok(), "{name}");
+        }
+        let all = |formats: &[Option<FileFormat>], weights: bool| {
+            options.check_effects(&npy, formats, weights).is_ok()
+        };
+        assert!(all(&[None, Some(FileFormat::Table)], false) && !all(&[None], false), "{name}");
+        assert_eq!(all(&[Some(FileFormat::Parquet)], false), name == "index");
+        let of_rows = ["header", "skip", "index"].contains(&name);
+        assert_eq!(all(&[None], true), !of_rows, "{name}");
+    }
+    let nan = ReadOptions::new().table(TableOptions::new().missing(Missing::Nan));
+    assert!(read(&npy, &nan).is_ok());
 }
 
 #[test]

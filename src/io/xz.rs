@@ -5,7 +5,10 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use xz4rust::{XzDecoder, XzError};
 
-use super::packing::{damaged, truncated};
+use super::packing::{damaged, followed, truncated};
+
+/// The byte with which a stream begins.
+const START: u8 = 0xfd;
 
 /// The largest dictionary that a file may need, in bytes: 256 MiB. `xz -9` takes 64 MiB.
 const LARGEST_DICTIONARY: usize = 1 << 28;
@@ -34,6 +37,8 @@ pub(super) struct Unpacker<R> {
 enum Fault {
     Truncated,
     Damaged,
+    /// Other bytes follow the last stream.
+    Followed,
     /// It needs what is not supported.
     Unsupported(&'static str),
 }
@@ -43,6 +48,7 @@ impl From<Fault> for io::Error {
         match fault {
             Fault::Truncated => truncated(),
             Fault::Damaged => damaged(".xz"),
+            Fault::Followed => followed(".xz"),
             Fault::Unsupported(what) => Self::other(what),
         }
     }
@@ -86,10 +92,14 @@ impl<R: BufRead> Unpacker<R> {
             let packed = self.packed.fill_buf()?;
             let length = packed.len();
             let skipped = packed.iter().take_while(|&&byte| byte == 0).count();
+            let begins = packed.get(skipped).is_none_or(|&byte| byte == START);
             self.packed.consume(skipped);
             zeros += skipped;
             if skipped == length && length > 0 {
                 continue;
+            }
+            if !begins {
+                return Err(self.fail(Fault::Followed));
             }
             if !zeros.is_multiple_of(4) {
                 return Err(self.fail(Fault::Damaged));
@@ -186,7 +196,17 @@ mod tests {
             let packed = [&ONE[..], &[0; 8][..zeros]].concat();
             assert_eq!(unpacked(&packed).is_ok(), zeros.is_multiple_of(4), "{zeros}");
         }
-        assert!(unpacked(&[&ONE[..], b"more than a header has"].concat()).is_err());
+    }
+
+    #[test]
+    fn bytes_behind_the_last_stream_are_no_truncated_one() {
+        let expected = "damaged .xz file: behind what is packed there are other bytes";
+        for more in [&b"x"[..], b"more than a header has", b"\0\0\0\0x"] {
+            let refused = unpacked(&[&ONE[..], more].concat()).unwrap_err().to_string();
+            assert_eq!(refused, expected, "{more:?}");
+        }
+        let refused = unpacked(&[&ONE[..], &TWO[..9]].concat()).unwrap_err().to_string();
+        assert_eq!(refused, "truncated: the file ends too early");
     }
 
     #[test]
@@ -215,11 +235,6 @@ mod tests {
                 assert!(known.iter().any(|known| refused.starts_with(known)), "{at}: {refused}");
             }
         }
-        let damaged = "damaged .xz file: it can't be unpacked";
-        assert_eq!(
-            unpacked(&[&ONE[..], b"more than a header has"].concat()).unwrap_err().to_string(),
-            damaged
-        );
     }
 
     #[test]

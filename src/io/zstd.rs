@@ -9,7 +9,7 @@ use ruzstd::decoding::{BlockDecodingStrategy, DEFAULT_MAX_WINDOW_SIZE, FrameDeco
 use twox_hash::XxHash64;
 
 use super::limits::LARGER_MAX_MEMORY;
-use super::packing::{damaged, truncated};
+use super::packing::{damaged, followed, truncated};
 use crate::base::byte_size;
 
 /// A file being unpacked.
@@ -66,8 +66,11 @@ impl<R: BufRead> Unpacker<R> {
     /// Begins the next frame, or skips one without content. Returns whether there was one.
     fn begin_next(&mut self) -> io::Result<bool> {
         let Self { packed, decoder, .. } = &mut *self;
-        if packed.inner.fill_buf()?.is_empty() {
-            return Ok(false);
+        match packed.inner.fill_buf()?.first() {
+            None => return Ok(false),
+            // A frame, or one that is skipped.
+            Some(0x28 | 0x50..=0x5f) => {}
+            Some(_) => return Err(followed(".zst")),
         }
         let begun = catch_unwind(AssertUnwindSafe(|| decoder.reset(&mut *packed)));
         match begun {
@@ -181,7 +184,12 @@ mod tests {
         let all = [&skipped[..], &packed(&text())[..], skipped, &packed("two\n")[..]].concat();
         assert_eq!(unpacked(&all).unwrap(), text() + "two\n");
         assert!(unpacked(&[&all[..], &skipped[..9]].concat()).unwrap_err().contains("truncated"));
-        assert_eq!(unpacked(&[&all[..], b"and more"].concat()).unwrap_err(), DAMAGED);
+        let refused = |more: &[u8]| unpacked(&[&all[..], more].concat()).unwrap_err();
+        assert_eq!(refused(b"(more than a header"), DAMAGED);
+        for more in [&b"x"[..], b"and more"] {
+            let expected = "damaged .zst file: behind what is packed there are other bytes";
+            assert_eq!(refused(more), expected);
+        }
     }
 
     const DAMAGED: &str = "damaged .zst file: it can't be unpacked";

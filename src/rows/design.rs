@@ -482,6 +482,63 @@ mod tests {
     }
 
     #[test]
+    fn levels_that_are_the_same_number_are_refused_unless_a_level_is_a_word() {
+        let levels = |levels: &[&str]| levels.iter().map(|&level| level.to_owned()).collect();
+        let same = "factor: f has the levels 1 and 1.0, which are the same number";
+        for equal in [&["1", "1.0", "2"][..], &["2", "1", "-3", "1.0"]] {
+            let refused = Factor::of_codes("f", levels(equal)).unwrap_err();
+            assert_eq!(refused.to_string(), same);
+            assert!(Factor::in_order("f", levels(equal)).is_err());
+        }
+        let words = Factor::of_codes("f", levels(&["1", "1.0", "x"])).unwrap();
+        assert_eq!(words.columns(), ["f[1.0]", "f[x]"]);
+        // Without the word.
+        assert_eq!(words.with_entries(&[0.0, 1.0]).unwrap_err().to_string(), same);
+    }
+
+    #[test]
+    fn words_of_another_table_are_the_levels_that_are_the_same_numbers() {
+        let fitted = Factor::of_numbers("f", vec![1.0, 2.5]).unwrap();
+        let moved = fitted.for_codes(&["2.50".into(), "1.0".into()]).unwrap();
+        assert_eq!([0.0, 1.0].map(|code| moved.level_of(code)), [Some(1), Some(0)]);
+        let refused = fitted.for_codes(&["1.0".into(), "x".into()]).unwrap_err();
+        assert_eq!(refused.to_string(), "factor: f has no level x, but 1, 2.5");
+        // Levels are words where one of them is a word.
+        let words = Factor::of_codes("f", vec!["1".into(), "x".into()]).unwrap();
+        assert!(words.for_codes(&["1.0".into()]).is_err());
+        assert!(words.with_base("1.0").is_err());
+    }
+
+    #[test]
+    fn a_base_is_a_level_also_where_its_number_is_written_in_another_way() {
+        let factor = Factor::of_numbers("f", vec![1.0, 2.0, 3.5]).unwrap();
+        let moved = factor.clone().with_base("2.0").unwrap();
+        assert_eq!(moved.levels(), ["2", "1", "3.5"]);
+        assert_eq!([1.0, 2.0].map(|entry| moved.level_of(entry)), [Some(1), Some(0)]);
+        let refused = factor.with_base("2.5").unwrap_err();
+        assert_eq!(refused.to_string(), "factor: f has no level 2.5, but 1, 2, 3.5");
+    }
+
+    #[test]
+    fn numbers_of_another_table_are_levels_also_where_others_are_words() {
+        let levels = |levels: &[&str]| levels.iter().map(|&level| level.to_owned()).collect();
+        let factor = Factor::of_codes("f", levels(&["b", "7", "a", "-2"])).unwrap();
+        assert_eq!(factor.levels(), ["-2", "7", "a", "b"]);
+        let design = Design::new(vec![DesignColumn::Indicators(0, factor.for_numbers().unwrap())]);
+        let matrix = read(&design, &mat![[7.0], [-2.0]], 9).unwrap();
+        assert_eq!(matrix, mat![[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]);
+        let matrix = read(&design, &mat![[f64::NAN]], 9).unwrap();
+        assert!((0..3).all(|j| matrix[(0, j)].is_nan()));
+        let refused = read(&design, &mat![[0.0]], 9).unwrap_err();
+        let expected = "factor: f has no level 0, but -2, 7, a, b, in row 0 (counted from 0)";
+        assert_eq!(refused.to_string(), expected);
+        // Which one of them is 1?
+        let refused = Factor::of_codes("f", levels(&["1", "1.0", "x"])).unwrap().for_numbers();
+        let same = "factor: f has the levels 1 and 1.0, which are the same number";
+        assert_eq!(refused.unwrap_err().to_string(), same);
+    }
+
+    #[test]
     fn a_survey_finds_incomplete_rows_and_levels_of_complete_ones() {
         let mut table = Mat::from_fn(500, 3, |i, j| ((i * (j + 1)) % 7) as f64);
         table[(3, 0)] = f64::NAN;

@@ -131,7 +131,14 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
     pub fn mean(&self) -> Vec<f64> {
         let weight = self.weight();
         let mean = |(j, &sum): (usize, &i128)| {
-            self.grid.shift_of(j).to_f64() + scaled(sum as f64, self.grid.sum_exponent(j)) / weight
+            let (sum, exponent) = (sum as f64, self.grid.sum_exponent(j));
+            let whole = scaled(sum, exponent);
+            let rest = match whole.is_finite() && weight.is_finite() {
+                true => whole / weight,
+                // Sums may overflow where means do not.
+                false => scaled(sum / self.weights[0] as f64, exponent + self.grid.weight_power),
+            };
+            self.grid.shift_of(j).to_f64() + rest
         };
         self.sums.iter().enumerate().map(mean).collect()
     }

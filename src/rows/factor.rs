@@ -35,11 +35,12 @@ impl Factor {
     /// bytes.
     ///
     /// # Errors
-    /// [`Error::Argument`] of "factor", which names the factor, for fewer than two levels and for a
-    /// level that is there twice; [`Error::OutOfMemory`].
+    /// [`Error::Argument`] of "factor", which names the factor, for fewer than two levels, for a
+    /// level that is there twice, and for two that are the same number (1 and 1.0) where all levels
+    /// are numbers; [`Error::OutOfMemory`].
     pub fn of_codes(name: impl Into<String>, levels: Vec<String>) -> Result<Self> {
         let mut factor = Self::in_order(name, levels)?;
-        let numbers: Option<Vec<f64>> = factor.levels.iter().map(|text| number(text)).collect();
+        let numbers = factor.numbers();
         let mut order: Vec<usize> = (0..factor.levels.len()).collect();
         order.sort_by(|&i, &j| match &numbers {
             Some(numbers) => numbers[i].total_cmp(&numbers[j]),
@@ -83,13 +84,14 @@ impl Factor {
         Self { name: name.into(), levels, entries }.checked()
     }
 
-    /// Makes this level the base; the others keep their order.
+    /// Makes this level the base; the others keep their order. Where all levels are numbers, 1.0 is
+    /// the level 1.
     ///
     /// # Errors
     /// [`Error::Argument`] of "factor" when there is no such level.
     pub fn with_base(mut self, level: &str) -> Result<Self> {
-        let found = self.levels.iter().position(|own| own == level);
-        let base = found.ok_or_else(|| self.unknown(level))?;
+        let numbers = self.numbers().unwrap_or_default();
+        let base = self.position(level, &numbers).ok_or_else(|| self.unknown(level))?;
         let others = (0..self.levels.len()).filter(|&k| k != base);
         let order: Vec<usize> = std::iter::once(base).chain(others).collect();
         self.arrange(&order);
@@ -132,7 +134,8 @@ impl Factor {
     }
 
     /// Returns this factor for another table, in which entry k of the column, from 0, stands for
-    /// the k-th of `levels`: the columns of the matrix stay the same.
+    /// the k-th of `levels`: the columns of the matrix stay the same. Where all levels of this
+    /// factor are numbers, 1.0 is the level 1.
     ///
     /// ```
     /// use catamaran::rows::Factor;
@@ -147,35 +150,31 @@ impl Factor {
     /// # Errors
     /// [`Error::Argument`] of "factor" for a level that this factor does not have.
     pub fn for_codes(&self, levels: &[String]) -> Result<Self> {
-        let index = |level: &String| {
-            let found = self.levels.iter().position(|own| own == level);
-            found.ok_or_else(|| self.unknown(level))
-        };
+        let numbers = self.numbers().unwrap_or_default();
+        let index =
+            |level: &String| self.position(level, &numbers).ok_or_else(|| self.unknown(level));
         let entries = levels.iter().enumerate().map(|(k, level)| Ok((k as f64, index(level)?)));
         Ok(Self { entries: entries.collect::<Result<_>>()?, ..self.clone() })
     }
 
-    /// Returns this factor for another table, in which the entries of the column are the numbers
-    /// that the levels name.
+    /// Returns this factor for another table, in which the entries of the column are numbers: each
+    /// stands for the level that names it, and none for a level that is a word.
     ///
     /// ```
     /// use catamaran::rows::Factor;
     ///
     /// let year = Factor::of_codes("year", vec!["2024".into(), "2025".into()])?;
     /// assert_eq!(year.for_numbers()?, Factor::of_numbers("year", vec![2024.0, 2025.0])?);
+    /// let mixed = Factor::of_codes("year", vec!["2024".into(), "unknown".into()])?;
+    /// assert_eq!(mixed.for_numbers()?.columns(), ["year[unknown]"]);
     /// # Ok::<(), catamaran::Error>(())
     /// ```
     ///
     /// # Errors
-    /// [`Error::Argument`] of "factor" when a level is not a number.
+    /// [`Error::Argument`] of "factor" for two levels that are the same number.
     pub fn for_numbers(&self) -> Result<Self> {
-        let entry = |(k, level): (usize, &String)| match number(level) {
-            Some(number) => Ok((number, k)),
-            None => Err(self.refused(format!("has the level {level}, which is not a number"))),
-        };
-        let entries = self.levels.iter().enumerate().map(entry);
-        let mut entries = entries.collect::<Result<Vec<_>>>()?;
-        entries.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let entries = self.ascending();
+        self.check_distinct(&entries)?;
         Ok(Self { entries, ..self.clone() })
     }
 
@@ -225,10 +224,50 @@ impl Factor {
         let mut sorted = reserved(self.levels.len())?;
         sorted.extend(self.levels.iter());
         sorted.sort_unstable();
-        match sorted.windows(2).find(|pair| pair[0] == pair[1]) {
-            Some(pair) => Err(self.refused(format!("has level {} twice", pair[0]))),
-            None => Ok(self),
+        if let Some(pair) = sorted.windows(2).find(|pair| pair[0] == pair[1]) {
+            return Err(self.refused(format!("has level {} twice", pair[0])));
         }
+        let numbers = self.ascending();
+        if numbers.len() == self.levels.len() {
+            self.check_distinct(&numbers)?;
+        }
+        Ok(self)
+    }
+
+    /// Returns the numbers that the levels are, if all of them are numbers.
+    fn numbers(&self) -> Option<Vec<f64>> {
+        self.levels.iter().map(|level| number(level)).collect()
+    }
+
+    /// Returns the numbers that levels are, ascending, and the index of the level of each.
+    fn ascending(&self) -> Vec<(f64, usize)> {
+        let levels = self.levels.iter().enumerate();
+        let numbers = levels.filter_map(|(k, level)| Some((number(level)?, k)));
+        let mut found: Vec<(f64, usize)> = numbers.collect();
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        found
+    }
+
+    /// Checks that no two of these numbers, which ascend, are equal.
+    fn check_distinct(&self, numbers: &[(f64, usize)]) -> Result<()> {
+        match numbers.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+            Some(pair) => {
+                let [one, other] = [&self.levels[pair[0].1], &self.levels[pair[1].1]];
+                let why = format!("has the levels {one} and {other}, which are the same number");
+                Err(self.refused(why))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Returns the index of a level: of this text, or of the same number among the `numbers` that
+    /// all levels are.
+    fn position(&self, level: &str, numbers: &[f64]) -> Option<usize> {
+        let as_text = self.levels.iter().position(|own| own == level);
+        as_text.or_else(|| {
+            let wanted = number(level)?;
+            numbers.iter().position(|&own| own == wanted)
+        })
     }
 
     pub(super) fn unknown(&self, level: impl std::fmt::Display) -> Error {

@@ -4,6 +4,7 @@ use faer::MatMut;
 
 use super::pieces::{Piece, block_pieces};
 use crate::base::{Error, Par, Real, Result, widest, zeros};
+use crate::kernel::int8::scaled;
 
 /// Rows that one thread takes at a time, and whose sums are added up before they go to the total.
 const PIECE: usize = 1024;
@@ -143,7 +144,27 @@ fn mean<T: Real>(block: &[T], n: usize, weights: Option<&[T]>) -> Vec<T> {
             *sum += size * x.to_f64();
         }
     }
-    sum.into_iter().map(|sum| T::from_f64(sum / total)).collect()
+    let mean = |(j, sum): (usize, f64)| match sum.is_finite() {
+        true => sum / total,
+        false => scaled_mean(block, n, j, size, total),
+    };
+    sum.into_iter().enumerate().map(mean).map(T::from_f64).collect()
+}
+
+/// Returns entry j of the [`mean`] where the sum of the column overflows, or an entry is not
+/// finite; `total` is the sum of the sizes of the weights.
+fn scaled_mean<T: Real>(
+    block: &[T],
+    n: usize,
+    j: usize,
+    size: impl Fn(usize) -> f64,
+    total: f64,
+) -> f64 {
+    // A power of two changes no digit. The sum is at most half of the largest number.
+    let exponent = (total.log2() + 1.0).ceil().max(0.0) as i32;
+    let term = |(i, row): (usize, &[T])| size(i) * scaled(row[j].to_f64(), -exponent);
+    let sum: f64 = block.chunks_exact(n).enumerate().map(term).sum();
+    scaled(sum / total, exponent)
 }
 
 /// Adjusts the rows of a piece as [`Moments::take`] describes; their weighted sum goes to `sum`,

@@ -404,6 +404,31 @@ fn rows_that_are_not_finite_are_named_by_their_number_in_the_source() {
 }
 
 #[test]
+fn means_are_finite_where_sums_overflow() {
+    let (large, options) = (1.5 * 2f64.powi(1023), AtaOptions::new());
+    let rows = mat![[large, -large, 1.0], [large, -large, 3.0]];
+    let bounds = RowBounds::<f64>::of(&mut DenseRows(rows.as_ref()), None, 64, &options).unwrap();
+    for mut sum in [
+        Accumulator::new(3, true).unwrap(),
+        Accumulator::exact(&bounds, true).unwrap(),
+        Accumulator::extended(&bounds, true).unwrap(),
+    ] {
+        sum.add_block(rows.as_ref(), None, &options).unwrap();
+        assert_eq!(sum.mean(), [large, -large, 2.0]);
+        let c = sum.finish(1.0, Uplo::Both).unwrap();
+        assert_eq!(c.as_ref(), mat![[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 2.0]]);
+    }
+    let mut sum = Accumulator::<f64>::new(3, true).unwrap();
+    sum.add_block(rows.as_ref(), Some(&[3.0, 1.0]), &options).unwrap();
+    assert_eq!(sum.mean(), [large, -large, 1.5]);
+    // What is not finite stays so.
+    let rows = mat![[large, 1.0, f64::NAN], [f64::INFINITY, 2.0, 1.0]];
+    let mut sum = Accumulator::<f64>::new(3, true).unwrap();
+    sum.add_block(rows.as_ref(), None, &options).unwrap();
+    assert!(!sum.mean()[0].is_finite() && sum.mean()[1] == 1.5 && sum.mean()[2].is_nan());
+}
+
+#[test]
 fn blocks_without_rows_are_refused_before_a_row_is_read() {
     let (rows, options) = (Mat::<f64>::zeros(3, 2), AtaOptions::new());
     let mut rows = DenseRows(rows.as_ref());

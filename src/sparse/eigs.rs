@@ -30,7 +30,8 @@ use crate::dense::filled;
 /// not iterated, however many there are ([`free_components`](super::free_components) counts them):
 /// their eigenvalues are 0. Other eigenvalues of more than 8 dimensions are complete only under
 /// [`EigenOptions::verify_count`]. Without a shift, eigenvalues that rounding or the tolerance
-/// (relative to s) leaves below 0 are returned as 0, and smaller ones are an error.
+/// (relative to s) leaves below 0 are returned as 0, and smaller ones are an error; where all k
+/// pairs are null vectors, one more factorization looks for these.
 ///
 /// The result is the same, bit for bit, for every `options.par`. Memory: about `2 k + 80` vectors
 /// of n, the result, and the factor.
@@ -228,7 +229,7 @@ fn nearest(values: &[f64], shift: f64, k: usize) -> Range<usize> {
 
 #[cfg(test)]
 mod tests {
-    use sprs::CsMat;
+    use sprs::{CsMat, TriMat};
 
     use super::*;
     use crate::base::Error;
@@ -270,6 +271,47 @@ mod tests {
                 let found = eigs(w.view(), &mass, &options.clone().shift(shift)).unwrap();
                 assert!((found.values[0] - least).abs() < 1e-9, "n = {n}: {:?}", found.values);
             }
+        }
+    }
+
+    #[test]
+    fn negative_eigenvalues_are_seen_where_null_vectors_are_all_that_is_wanted() {
+        // A path with a constant null vector, and a row of its own; the scale is 2 / 500.
+        let n = 500;
+        for (last, is_semi_definite) in [(-2e-3, false), (-1e-7, false), (0.0, true), (1.0, true)] {
+            let mut entries = TriMat::new((n, n));
+            path(n - 1).iter().for_each(|(&x, (i, j))| entries.add_triplet(i, j, x));
+            entries.add_triplet(n - 1, n - 1, last);
+            let (w, mass) = (entries.to_csr::<usize>(), Mass::identity(n));
+            match eigs(w.view(), &mass, &EigenOptions::new().k(1)) {
+                Ok(found) => assert!(is_semi_definite && found.values == [0.0], "{last:e}"),
+                Err(refused) => {
+                    let said = refused.to_string();
+                    assert!(
+                        !is_semi_definite && said.contains("semi-definite"),
+                        "{last:e}: {said}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn accuracy_does_not_depend_on_the_unit_of_length() {
+        let n = 400;
+        let w = path(n);
+        for exponent in [-40, -20, 0, 20, 40] {
+            // Masses of surfaces are areas.
+            let mass = Mass::Lumped(vec![2f64.powi(exponent); n]);
+            let found = eigs(w.view(), &mass, &EigenOptions::new().k(100)).unwrap();
+            for (j, &value) in found.values.iter().enumerate() {
+                let half = std::f64::consts::PI * j as f64 / (2 * n) as f64;
+                let expected = 4.0 * half.sin().powi(2);
+                let error = (value * 2f64.powi(exponent) - expected).abs();
+                assert!(error < 1e-13, "2^{exponent}, {j}: {error:e}");
+            }
+            let worst = found.residuals.iter().copied().fold(0.0, f64::max);
+            assert!(worst < 1e-10, "2^{exponent}: {worst:e}");
         }
     }
 

@@ -37,7 +37,7 @@ pub(crate) use eigs::{check as check_problem, is_dense, one_window, without_iter
 pub use mass::Mass;
 pub use options::EigenOptions;
 #[cfg(feature = "mpi")]
-pub(crate) use problem::{Outline, Problem, scale_of};
+pub(crate) use problem::{Outline, Problem};
 pub use product::multiply;
 #[cfg(feature = "mpi")]
 pub(crate) use product::{multiply_by_differences, multiply_magnitudes, row_sum};

@@ -13,20 +13,29 @@ use crate::base::{Error, Result};
 /// What runs need to know about W and M beside their products.
 pub(crate) struct Outline {
     /// The s of [`Eigenpairs`].
-    pub scale: f64,
+    scale: f64,
+    /// The largest `W_ii / M_ii`, at least 0.
+    largest: f64,
     /// The mean of the diagonal of M.
-    pub mean_mass: f64,
+    mean_mass: f64,
     /// Null vectors of W, as lists of rows; of each, this process may have a part.
-    pub null: Vec<Vec<usize>>,
+    null: Vec<Vec<usize>>,
 }
 
 impl Outline {
+    /// Creates the outline for `W_ii / M_ii` of all rows, the mean of the diagonal of M, and the
+    /// null vectors of W.
+    pub fn new(ratios: Vec<f64>, mean_mass: f64, null: Vec<Vec<usize>>) -> Self {
+        let largest = ratios.iter().copied().fold(0.0, f64::max);
+        Self { scale: scale_of(ratios), largest, mean_mass, null }
+    }
+
     /// Finds what is known about whole matrices.
     fn of(stiffness: CsMatView<'_, f64>, mass: &Mass) -> Self {
         let n = stiffness.rows();
         let mean_mass = (0..n).map(|i| mass.diagonal(i)).sum::<f64>() / n as f64;
         let null = components::null_components(stiffness, mass);
-        Self { scale: scale(stiffness, mass), mean_mass, null }
+        Self::new(ratios(stiffness, mass), mean_mass, null)
     }
 }
 
@@ -36,6 +45,8 @@ pub(crate) struct Problem<'a> {
     /// The s of [`Eigenpairs`].
     pub scale: f64,
     shifts: Box<dyn Shifts + 'a>,
+    /// The largest `W_ii / M_ii`.
+    largest: f64,
     mean_mass: f64,
     /// Null vectors of W, as lists of rows.
     null: Vec<Vec<usize>>,
@@ -53,8 +64,8 @@ impl<'a> Problem<'a> {
 
     /// Creates the problem of a pencil and its shifts.
     pub fn new(pencil: &'a dyn Pencil, outline: Outline, shifts: Box<dyn Shifts + 'a>) -> Self {
-        let Outline { scale, mean_mass, null } = outline;
-        Self { pencil, scale, shifts, mean_mass, null }
+        let Outline { scale, largest, mean_mass, null } = outline;
+        Self { pencil, scale, shifts, largest, mean_mass, null }
     }
 
     /// Returns the bytes that a factorization takes, and those that are allocated anyway.
@@ -175,11 +186,15 @@ impl<'a> Problem<'a> {
             }
             drop(factor);
             if complete(krylov.values())? {
+                // Later slices start inside the spectrum, and hand out nothing near zero.
+                let are_smallest = options.shift.is_none() && sigma < 0.0;
+                if are_smallest && options.k <= self.null.len() {
+                    self.check_semi_definite(options)?;
+                }
                 let (values, vectors) = (krylov.values(), krylov.vectors());
                 let (residuals, solves) = (&certificate.residuals, krylov.solves());
                 let mut pairs = ascending(values, vectors, residuals, solves, options.par)?;
-                // Later slices start inside the spectrum, and hand out nothing near zero.
-                if options.shift.is_none() && sigma < 0.0 {
+                if are_smallest {
                     without_negative(self.pencil, &mut pairs, self.scale, options)?;
                     // The values of constants on components are zero, not rounding errors.
                     let null = self.null_near(sigma);
@@ -189,6 +204,19 @@ impl<'a> Problem<'a> {
             }
         }
         Err(Error::NotConverged { iterations: krylov.restarts(), residual: least })
+    }
+
+    /// Checks, by a factorization, that no eigenvalue is farther below zero than the tolerance or
+    /// rounding explains: where null vectors are all that is wanted, no other eigenvalue is
+    /// computed.
+    fn check_semi_definite(&self, options: &EigenOptions<'_>) -> Result<()> {
+        let negligible = options.tolerance.max(NEGLIGIBLE) * self.scale;
+        let least = -negligible.max(NULL_ROUNDING * self.largest);
+        // The first factorization was that of `W + s M`.
+        match least <= -self.scale || self.all_exceed(least)? {
+            true => Ok(()),
+            false => Err(not_semi_definite()),
+        }
     }
 }
 
@@ -232,6 +260,11 @@ const NEGLIGIBLE: f64 = 1e-12;
 /// negative: those of W itself and of its factor, with a wide margin.
 const ENTRY_ROUNDINGS: f64 = 1e3;
 
+/// Size of the eigenvalues of null vectors, and of the rounding of a factor, in units of the
+/// largest `W_ii / M_ii`, with a margin: rows whose sums are below 1e-12 of their entries count as
+/// zero.
+const NULL_ROUNDING: f64 = 1e-11;
+
 /// Replaces the negative values of ascending pairs of a semi-definite W by zeros, if the tolerance
 /// or rounding explains them, and their residuals by those of the result.
 ///
@@ -274,13 +307,17 @@ pub(crate) fn not_semi_definite() -> Error {
 
 /// Returns the scale s of [`super::eigs()`].
 pub(crate) fn scale(stiffness: CsMatView<'_, f64>, mass: &Mass) -> f64 {
-    let n = stiffness.rows();
+    scale_of(ratios(stiffness, mass))
+}
+
+/// Returns `W_ii / M_ii` of all rows.
+fn ratios(stiffness: CsMatView<'_, f64>, mass: &Mass) -> Vec<f64> {
     let ratio = |i: usize| stiffness.get(i, i).copied().unwrap_or(0.0) / mass.diagonal(i);
-    scale_of((0..n).map(ratio).collect())
+    (0..stiffness.rows()).map(ratio).collect()
 }
 
 /// Returns the scale of matrices whose diagonals have these ratios, `W_ii / M_ii`.
-pub(crate) fn scale_of(mut ratios: Vec<f64>) -> f64 {
+fn scale_of(mut ratios: Vec<f64>) -> f64 {
     let n = ratios.len();
     ratios.retain(|x| *x > 0.0);
     if ratios.is_empty() {

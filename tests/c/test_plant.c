@@ -101,6 +101,10 @@ static void test_literal_elasticity(void)
     wrong.elasticity_literal = 2;
     CHECK_STATUS(cata_plant_new(N, tails, radii, parents, kinds, base, &wrong, &plant), CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("elasticity_literal");
+    wrong = params;
+    wrong.elasticity_dry = 1e5;
+    CHECK_STATUS(cata_plant_new(N, tails, radii, parents, kinds, base, &wrong, &plant), CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("elasticity_dry");
 }
 
 static void test_steps_and_independent_handles(void)

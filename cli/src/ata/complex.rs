@@ -1,6 +1,5 @@
 //! `A^H A` of a complex matrix, which is in memory.
 
-use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
@@ -10,12 +9,13 @@ use catamaran::io::{self as files, check_complex_name};
 use catamaran::product::{ComplexPlan, aha_planned};
 use catamaran::{AtaOptions, Real};
 
-use super::faint::note_faint;
+use super::faint::Lost;
 use super::shown::digits;
 use super::{Args, Outputs, Unbounded, pinned};
 use crate::progress::{self, Bar};
 use crate::ranks::Ranks;
 use crate::report::{report, row, seconds, status};
+use crate::rows::Source;
 
 /// Most rows and columns of a matrix that is printed.
 pub const PRINTED: usize = 6;
@@ -43,13 +43,13 @@ pub fn refuse(args: &Args, ranks: &Ranks) -> Result<()> {
 /// Computes C, and writes or prints it.
 pub fn run(
     args: &Args,
-    a: MatRef<'_, c64>,
+    (source, a): (&Source, MatRef<'_, c64>),
     options: &AtaOptions<'_>,
     outputs: Outputs,
 ) -> Result<()> {
     let (m, n) = a.shape();
     if args.require_finite {
-        require_finite(&args.input, a)?;
+        require_finite(source, a)?;
     }
     let bar = Bar::new("computing");
     let update = |fraction| bar.update(fraction);
@@ -70,13 +70,11 @@ pub fn run(
     status!("time", seconds = time.as_secs_f64(); "{}", seconds(time))?;
     progress::check()?;
     let c = MatRef::from_row_major_slice(&entries, n, n);
-    let path: &Path = &args.input;
-    note_range(&[(path, a)], c)?;
+    note_range(&[(source, a)], c)?;
     let squared = |j: usize| c[(j, j)].re;
     let is_faint = |j: &usize| squared(*j) < f64::MIN_POSITIVE && !is_zero(a, *j);
-    if let Some(column) = (0..n).find(is_faint) {
-        note_faint::<f64>(&path.display().to_string(), column, false);
-    }
+    let underflowed: Vec<usize> = (0..n).filter(is_faint).collect();
+    Lost { underflowed, rounded: Vec::new() }.note::<f64>(source, false);
     let Some(output) = outputs.c else { return show(c) };
     let path = output.path().display().to_string();
     files::write_complex(output, c)?;
@@ -84,27 +82,27 @@ pub fn run(
 }
 
 /// Refuses a matrix with an entry that is NaN or infinite.
-pub fn require_finite(path: &Path, a: MatRef<'_, c64>) -> Result<()> {
-    match not_finite(path, a) {
+pub fn require_finite(source: &Source, a: MatRef<'_, c64>) -> Result<()> {
+    match not_finite(source, a) {
         Some(what) => bail!("{what}"),
         None => Ok(()),
     }
 }
 
 /// Returns the first entry of the matrix of a file that is NaN or infinite, with its place.
-fn not_finite(path: &Path, a: MatRef<'_, c64>) -> Option<String> {
+fn not_finite(source: &Source, a: MatRef<'_, c64>) -> Option<String> {
     let column = |i: usize| (0..a.ncols()).find(|&j| !a[(i, j)].is_finite());
     let (i, j) = (0..a.nrows()).find_map(|i| Some((i, column(i)?)))?;
-    let (name, entry) = (path.display(), text(a[(i, j)]));
-    Some(format!("{name}: {entry} at row {i}, column {j} (counted from 0)"))
+    Some(format!("{}: {}", source.path().display(), source.at(text(a[(i, j)]), i, j)))
 }
 
 /// Notes entries of the product of these files that are not finite, and the cause.
-pub fn note_range(operands: &[(&Path, MatRef<'_, c64>)], c: MatRef<'_, c64>) -> Result<()> {
+pub fn note_range(operands: &[(&Source, MatRef<'_, c64>)], c: MatRef<'_, c64>) -> Result<()> {
     let places = (0..c.nrows()).flat_map(|i| (0..c.ncols()).map(move |j| (i, j)));
     let unbounded = Unbounded::among(places.map(|place| c[place].is_finite()));
-    let names: Vec<String> = operands.iter().map(|(path, _)| path.display().to_string()).collect();
-    let cause = || Ok(operands.iter().find_map(|(path, matrix)| not_finite(path, *matrix)));
+    let names = operands.iter().map(|(source, _)| source.path().display().to_string());
+    let names: Vec<String> = names.collect();
+    let cause = || Ok(operands.iter().find_map(|(source, matrix)| not_finite(source, *matrix)));
     unbounded.note(&names.join(", "), f64::NAME, cause)
 }
 

@@ -28,12 +28,13 @@ use crate::progress::{self, Bar};
 use crate::ranks::{Ranks, Scalar};
 use crate::report::{report, seconds, status};
 use crate::rows::{
-    Begun, COLUMNS, CheckpointArgs, Part, RowList, Shown, Source, WEIGHTS, WITHOUT_WEIGHTS,
-    Watched, add_rows, check_same_weights, fingerprint, labels_with_rows, open, read_weights,
+    Begun, COLUMNS, CheckpointArgs, NUMBERS, Part, RowList, Shown, Source, WEIGHTS,
+    WITHOUT_WEIGHTS, Watched, add_rows, check_options, check_same_weights, check_size_of_weights,
+    fingerprint, labels_with_rows, open, option_labels, read_weights,
 };
 use crate::tables::{MatrixArgs, MatrixFile};
 use crate::{backend, picture};
-use faint::{Faint, note_faint};
+use faint::Faint;
 pub use unbounded::Unbounded;
 
 /// Compute C = A^T A of a matrix in a file, A^H A, or A^T B of two matrices.
@@ -88,9 +89,8 @@ pub struct Args {
         value_parser = parse::scheme()
     )]
     scheme: SchemeChoice,
-    /// Accuracy: max (the exact path, if --scheme is auto or exact; otherwise as classical),
-    /// classical, default, fast, or a bound on the error as a factor (at least 1) of the error of
-    /// the classical algorithm.
+    /// Accuracy: max (the exact path), classical, default, fast, or a bound on the error as a
+    /// factor (at least 1) of the error of the classical algorithm.
     #[arg(
         long,
         value_name = "ACCURACY",
@@ -167,10 +167,11 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     ranks.report(par.threads())?;
     if let Some(path) = &args.times {
         let b = open("B", path, &args.matrix.table.read())?;
+        check_options(&a, Some(&b), None, &args.matrix.read())?;
         return times::run(args, (&a, &b), &options(args, par, backend), outputs.c);
     }
     if let Some(matrix) = a.complex() {
-        return complex::run(args, matrix, &options(args, par, backend), outputs);
+        return complex::run(args, (&a, matrix), &options(args, par, backend), outputs);
     }
     let work = Work { args, ranks, a: &a, weights: weights.as_deref(), backend, par };
     let done = if args.double || !args.single && !a.is_single() {
@@ -196,6 +197,9 @@ fn begin(args: &Args, ranks: &Ranks) -> Result<(Arc<dyn Backend>, Outputs, Sourc
         accumulator: create(&args.accumulator)?,
     };
     let a = open("A", &args.input, &args.matrix.read())?;
+    if args.times.is_none() {
+        check_options(&a, None, args.weights.as_deref(), &args.matrix.read())?;
+    }
     if a.complex().is_some() {
         complex::refuse(args, ranks)?;
     }
@@ -237,9 +241,13 @@ fn threads(args: &Args, ranks: &Ranks) -> Par {
 
 /// Refuses arguments that do not fit each other, and outputs that exist.
 fn refuse(args: &Args, ranks: &Ranks) -> Result<()> {
-    if args.reproducible && !matches!(args.scheme, SchemeChoice::Auto | SchemeChoice::Exact) {
+    let exact =
+        [("--reproducible", args.reproducible), ("--accuracy max", args.accuracy == Accuracy::Max)];
+    if let Some((option, _)) = exact.into_iter().find(|(_, given)| *given)
+        && !matches!(args.scheme, SchemeChoice::Auto | SchemeChoice::Exact)
+    {
         let name = parse::scheme_name(args.scheme);
-        bail!("--reproducible uses --scheme exact, and can't be combined with --scheme {name}");
+        bail!("{option} uses --scheme exact, and can't be combined with --scheme {name}");
     }
     if args.times.is_some() {
         times::refuse(args, ranks)?;
@@ -287,6 +295,7 @@ impl Work<'_> {
         };
         ranks.meet(enough())?;
         let options = options(args, self.par, self.backend.clone());
+        ranks.meet(self.check_weights::<T>(&options))?;
         self.report_cap(options.par)?;
         if let Some(sparse) = self.sparse() {
             return self.sparse_product::<T>(sparse, &options, outputs);
@@ -300,6 +309,16 @@ impl Work<'_> {
         match plan.reads() {
             1 => self.whole::<T>(&plan, &options, outputs),
             _ => self.strips::<T>(&plan, &options, outputs),
+        }
+    }
+
+    /// Refuses weights that exact sums would round to fewer digits, or to 0.
+    fn check_weights<T: Scalar>(&self, options: &AtaOptions<'_>) -> Result<()> {
+        match (&self.args.weights, self.weights) {
+            (Some(path), Some(weights)) if options.asks_for_exact() => {
+                check_size_of_weights::<T>(path, weights)
+            }
+            _ => Ok(()),
         }
     }
 
@@ -603,9 +622,10 @@ impl Work<'_> {
         let args = self.args;
         let fingerprint = |weights| format!("{:016x}", fingerprint(weights));
         let weights = self.weights.map_or(WITHOUT_WEIGHTS.into(), fingerprint);
-        let names = self.a.selected_names().unwrap_or_default().join("\n");
-        let names = self.ranks.text_of_first(names);
-        let columns = (!names.is_empty()).then_some((COLUMNS, names));
+        let columns = match self.a.is_named() {
+            true => (COLUMNS, self.a.column_names().join("\n")),
+            false => (NUMBERS, RowList::from_iter(self.a.numbers()).to_string()),
+        };
         let labels = [
             ("A", self.ranks.text_of_first(self.a.identity())),
             (WEIGHTS, weights),
@@ -614,8 +634,12 @@ impl Work<'_> {
             ("accuracy", format!("{:?}", args.accuracy).to_lowercase()),
             ("reproducible", args.reproducible.to_string()),
             ("back end", options.backend.name().into()),
+            (columns.0, self.ranks.text_of_first(columns.1)),
         ];
-        labels.into_iter().chain(columns).map(|(name, value)| (name.to_owned(), value)).collect()
+        // Those of options first: they say more than what else differs.
+        let mut all = option_labels(&args.matrix.read());
+        all.extend(labels.map(|(name, value)| (name.to_owned(), value)));
+        all
     }
 
     /// Reports the product of `m` rows, and the time.
@@ -694,8 +718,7 @@ impl Work<'_> {
     }
 
     /// Notes entries of C that are out of range: those that are not finite, and whether A is the
-    /// cause, and the squared length of a column that has underflowed. For each, A is read once
-    /// more.
+    /// cause, and columns whose squared lengths are lost. For each, A is read once more.
     fn note_range<T: BlasReal>(&self, unbounded: &Unbounded, faint: &Faint) -> Result<()> {
         let name = self.args.input.display().to_string();
         let cause = || Ok(self.a.not_finite()?.map(|what| format!("{name}: {what}")));
@@ -704,9 +727,8 @@ impl Work<'_> {
             return Ok(());
         }
         let mut rows = self.a.rows::<f64>(false)?;
-        if let Some(column) = faint.first_in(&mut *rows, self.weights, self.centered())? {
-            note_faint::<T>(&name, column, self.centered());
-        }
+        let lost = faint.lost_in::<T>(&mut *rows, self.weights, self.centered())?;
+        lost.note::<T>(self.a, self.centered());
         Ok(())
     }
 

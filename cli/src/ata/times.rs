@@ -1,7 +1,6 @@
 //! `A^T B` and `A^H B`, where B has the rows of A.
 
 use std::num::NonZeroUsize;
-use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
@@ -66,13 +65,11 @@ pub fn run(
     let is_double = args.double || !args.single && !are_single;
     match (a.complex(), b.complex()) {
         (Some(first), Some(second)) if args.require_finite => {
-            require_finite(a.path(), first)?;
-            require_finite(b.path(), second)?;
-            complex_product([(a.path(), first), (b.path(), second)], options, output)
+            require_finite(a, first)?;
+            require_finite(b, second)?;
+            complex_product([(a, first), (b, second)], options, output)
         }
-        (Some(first), Some(second)) => {
-            complex_product([(a.path(), first), (b.path(), second)], options, output)
-        }
+        (Some(first), Some(second)) => complex_product([(a, first), (b, second)], options, output),
         (None, None) if is_double => real::<f64>(args, (a, b), options, output),
         (None, None) => real::<f32>(args, (a, b), options, output),
         _ => bail!("{of_b}: must be real or complex as {of_a} is"),
@@ -80,7 +77,7 @@ pub fn run(
 }
 
 fn complex_product(
-    operands: [(&Path, MatRef<'_, c64>); 2],
+    operands: [(&Source, MatRef<'_, c64>); 2],
     options: &AtaOptions<'_>,
     output: Option<Output>,
 ) -> Result<()> {

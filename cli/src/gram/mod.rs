@@ -23,8 +23,8 @@ use crate::progress::Bar;
 use crate::ranks::Ranks;
 use crate::report::{seconds, status};
 use crate::rows::{
-    Begun, CheckpointArgs, RowList, Shown, Source, add_rows, check_same_weights, fingerprint,
-    labels_with_rows, open, read_weights,
+    Begun, CheckpointArgs, RowList, Shown, Source, add_rows, check_same_weights,
+    check_size_of_weights, fingerprint, labels_with_rows, open, option_labels, read_weights,
 };
 use crate::tables::{MatrixArgs, MatrixFile, TableArgs};
 
@@ -116,6 +116,7 @@ impl<'a> Pass<'a> {
     ) -> Result<Self> {
         let named = || args.input.display();
         let enough = || -> Result<()> {
+            table.check_options(weights, &args.matrix.read())?;
             if table.ncols() == 0 {
                 bail!("{}: no columns", named());
             }
@@ -129,6 +130,7 @@ impl<'a> Pass<'a> {
         let read = |path: &Path| -> Result<Vec<f64>> {
             let weights = read_weights(path, table.a(), args.other_tables())?;
             check_weights(Some(&weights)).with_context(|| path.display().to_string())?;
+            check_size_of_weights::<f64>(path, &weights)?;
             let weights = table.kept(weights)?;
             if !weights.is_empty() && weights.iter().all(|&weight| weight == 0.0) {
                 bail!("{}: all weights are zero", path.display());
@@ -229,14 +231,16 @@ impl<'a> Pass<'a> {
         let weights = self.weights.as_ref();
         let weights = weights.map_or("none".into(), |w| format!("{:016x}", fingerprint(w)));
         let [a, b] = self.table.identity().map(|text| self.ranks.text_of_first(text));
-        [
+        // Those of options first: they say more than what else differs.
+        let mut all = option_labels(&self.args.matrix.read());
+        let labels = [
             ("sums", "extended".into()),
             ("A", a),
             ("B", b),
             ("weights", weights),
             ("centring", if self.centered { "mean" } else { "none" }.into()),
-        ]
-        .map(|(name, value): (&str, String)| (name.to_owned(), value))
-        .into()
+        ];
+        all.extend(labels.map(|(name, value): (&str, String)| (name.to_owned(), value)));
+        all
     }
 }

@@ -6,11 +6,12 @@ use std::path::Path;
 use anyhow::{Context, Result, bail};
 use catamaran::faer::MatMut;
 use catamaran::faer::prelude::ReborrowMut;
+use catamaran::io::ReadOptions;
 use catamaran::rows::{Design, DesignColumn, RowBlocks, RowBounds};
 use catamaran::solve::JoinedRows;
 
 use crate::ranks::Ranks;
-use crate::rows::{Part, RowList, Source, fingerprint, fingerprint_of_text};
+use crate::rows::{Part, RowList, Source, check_options, fingerprint, fingerprint_of_text};
 
 /// Rows of f64.
 pub struct Table {
@@ -137,6 +138,15 @@ impl Table {
             With::Columns(b) => format!("{a}, {}", b.path().display()),
             With::Nothing | With::Order(_) => a.to_string(),
         }
+    }
+
+    /// Refuses options of tables that apply neither to its files nor to weights.
+    pub fn check_options(&self, weights: Option<&Path>, options: &ReadOptions<'_>) -> Result<()> {
+        let b = match &self.with {
+            With::Columns(b) => Some(&**b),
+            With::Nothing | With::Order(_) => None,
+        };
+        check_options(&self.a, b, weights, options)
     }
 
     /// Returns texts that identify A and what is done with its rows.

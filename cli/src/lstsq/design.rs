@@ -1,11 +1,13 @@
 //! Factors and missing values: how the columns and rows of a table become those of A and B.
 
-use anyhow::{Context, Result, bail};
+use std::path::Path;
+
+use anyhow::{Context, Error, Result, anyhow, bail};
 use catamaran::io::Missing;
 use catamaran::rows::{Design, DesignColumn, Factor, Survey};
 
 use super::Rows;
-use super::names::Names;
+use super::names::{Names, Place};
 use crate::gram::GramArgs;
 use crate::ranks::Ranks;
 use crate::report::status;
@@ -14,6 +16,8 @@ use crate::report::status;
 pub struct Term {
     /// The name of the column.
     pub column: String,
+    /// How it is found in another table.
+    pub place: Place,
     /// The levels of a factor, the base first; none for numbers.
     pub levels: Vec<String>,
 }
@@ -50,17 +54,19 @@ pub(super) fn apply(
     factors: &[String],
 ) -> Result<Designed> {
     let path = args.input();
-    let numbers = |column: &String| Term { column: column.clone(), levels: Vec::new() };
-    let mut terms: Vec<Term> = rows.columns.iter().map(numbers).collect();
+    let mut terms = terms(&rows);
     if factors.is_empty() && args.other_tables().missing() != Missing::Drop {
         return Ok(Designed { rows, terms, dropped: 0 });
     }
-    let Rows { table, columns, numbers, targets, levels } = rows;
+    let Rows { table, columns, numbers, levels, .. } = rows;
     let are_selected = args.selects_columns();
     let names_of_a = Names { path, names: &columns, numbers: &numbers, are_selected };
     let wanted = ranks.meet(wanted(&names_of_a, factors))?;
     let at: Vec<usize> = wanted.iter().map(|wanted| wanted.column).collect();
-    let Survey { missing, entries, bounds, .. } = args.survey(ranks, &table, &at)?;
+    ranks.meet(refuse_words(&names_of_a, &levels, &at))?;
+    let survey = args.survey(ranks, &table, &at);
+    let survey = survey.map_err(|error| with_name(error, path, &columns))?;
+    let Survey { missing, entries, bounds, .. } = survey;
     let dropped = missing.len();
     let of_column = |(wanted, entries): (&Wanted<'_>, Vec<f64>)| {
         let j = wanted.column;
@@ -81,7 +87,45 @@ pub(super) fn apply(
     let columns = terms.iter().flat_map(names).collect();
     let design = Design::new(design).without_rows(missing);
     let table = ranks.meet(table.designed(design, &bounds))?;
-    Ok(Designed { rows: Rows { table, columns, numbers, targets, levels }, terms, dropped })
+    Ok(Designed { rows: Rows { table, columns, numbers, levels, ..rows }, terms, dropped })
+}
+
+/// Returns the columns of A, all of them numbers.
+fn terms(rows: &Rows) -> Vec<Term> {
+    let term = |(column, &place): (&String, &Place)| Term {
+        column: column.clone(),
+        place,
+        levels: Vec::new(),
+    };
+    rows.columns.iter().zip(&rows.places).map(term).collect()
+}
+
+/// Refuses columns of words that are no factors: their entries would be numbers of levels. The
+/// reader accepts such a column where its place in the file is the name of a factor.
+fn refuse_words(names: &Names<'_>, levels: &[Vec<String>], factors: &[usize]) -> Result<()> {
+    match (0..levels.len()).find(|j| !levels[*j].is_empty() && !factors.contains(j)) {
+        Some(j) => bail!(
+            "{}: column {} has words, and --factor names another column: --columns leaves it out",
+            names.path.display(),
+            names.names[j]
+        ),
+        None => Ok(()),
+    }
+}
+
+/// Returns an error of a survey about a factor with its name in place of its number.
+fn with_name(error: Error, path: &Path, columns: &[String]) -> Error {
+    let said = match error.downcast_ref() {
+        Some(catamaran::Error::Argument { what: "factor", why }) => {
+            why.strip_prefix("column ").and_then(|rest| {
+                let (number, rest) = rest.split_once(' ')?;
+                let name = columns.get(number.parse::<usize>().ok()?)?;
+                Some(anyhow!("{}: factor: {name} {rest}", path.display()))
+            })
+        }
+        _ => None,
+    };
+    said.unwrap_or(error)
 }
 
 /// Returns a factor with the levels of a column that are among its entries: numbers, or codes of

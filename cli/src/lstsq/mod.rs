@@ -12,7 +12,7 @@ use catamaran::solve::{LeastSquares, LeastSquaresOptions};
 use clap::ArgGroup;
 
 use self::design::{Designed, Term};
-use self::names::Names;
+use self::names::{Names, Place};
 use self::output::Solution;
 use crate::gram::{GramArgs, Pass, Table};
 use crate::output as files;
@@ -109,7 +109,8 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     // All rows may have been left out.
     ranks.meet(refuse_empty(args, &designed.rows))?;
     report_bases(args, &designed.terms);
-    let Designed { rows: Rows { table, columns, targets, .. }, terms, dropped } = designed;
+    let Designed { rows: Rows { table, columns, targets, shared, .. }, terms, dropped } = designed;
+    report_shared(args, shared.as_deref());
     let pass = Pass::new(&args.gram, ranks, &table, args.weights.as_deref(), args.intercept)?;
     let Some(gram) = pass.gram()? else { return pass.end() };
     let options =
@@ -168,6 +169,10 @@ struct Rows {
     /// The numbers of those of A in its file.
     numbers: Vec<usize>,
     targets: Vec<String>,
+    /// How each of those of A is found in another table.
+    places: Vec<Place>,
+    /// A name that two columns of A, or of A and its targets, have.
+    shared: Option<String>,
     /// For each of the columns the levels that its entries are numbers of; none for numbers.
     levels: Vec<Vec<String>>,
 }
@@ -184,12 +189,15 @@ fn with_column(error: Error, name: &str, columns: &[String]) -> Error {
 fn rows(args: &Args) -> Result<Rows> {
     let a = args.gram.open_with_factors(design::possible_names(&args.factor))?;
     let (mut columns, mut numbers) = (a.column_names(), a.numbers());
+    let mut places = names::places(&a);
+    let shared = names::shared(&columns, &places);
     let mut levels: Vec<Vec<String>> = (0..columns.len()).map(|j| a.levels(j).to_vec()).collect();
     if let Some(path) = &args.b {
         let b = open("B", path, &args.gram.other_tables().read_all_rows());
         let b = b.map_err(|e| with_column(e, &path.display().to_string(), &columns))?;
         let targets = b.column_names();
-        return Ok(Rows { table: Table::joined(a, b)?, columns, numbers, targets, levels });
+        let table = Table::joined(a, b)?;
+        return Ok(Rows { table, columns, numbers, targets, places, shared, levels });
     }
     let (path, are_selected) = (args.gram.input(), args.gram.selects_columns());
     let names = Names { path, names: &columns, numbers: &numbers, are_selected };
@@ -203,9 +211,11 @@ fn rows(args: &Args) -> Result<Rows> {
         (0..columns.len()).filter(|column| !found.contains(column)).collect();
     columns = order.iter().map(|&column| columns[column].clone()).collect();
     numbers = order.iter().map(|&column| numbers[column]).collect();
+    places = order.iter().map(|&column| places[column]).collect();
     levels = order.iter().map(|&column| levels[column].clone()).collect();
     order.extend(found);
-    Ok(Rows { table: Table::ordered(a, order), columns, numbers, targets, levels })
+    let table = Table::ordered(a, order);
+    Ok(Rows { table, columns, numbers, targets, places, shared, levels })
 }
 
 /// Refuses a matrix A or B without columns, and one without rows.
@@ -231,6 +241,19 @@ fn report_bases(args: &Args, terms: &[Term]) {
         let why = "without --intercept the base of each factor has the coefficient 0";
         note(format_args!("{}: {why}: {listed}", path.display()));
     }
+}
+
+/// Notes that `predict` will refuse the model in a .json file, if two columns have one name.
+fn report_shared(args: &Args, shared: Option<&str>) {
+    let (Some(name), Some(model)) = (shared, args.output.iter().find(|path| is_json(path))) else {
+        return;
+    };
+    let which = match name {
+        "" => "have no name".into(),
+        name => format!("are called {name}"),
+    };
+    let (path, model) = (args.gram.input().display(), model.display());
+    note(format_args!("{path}: two columns {which}: `predict` will refuse {model}"));
 }
 
 /// Reports columns that depend on others: by a note, or with --refuse-dependent by an error.

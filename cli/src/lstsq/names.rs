@@ -1,11 +1,51 @@
 //! Columns of A by names or numbers.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use anyhow::{Error, Result, anyhow, bail};
 
+use crate::rows::Source;
+
 /// Most columns that an error lists.
 const LISTED: usize = 10;
+
+/// How `predict` finds a column of A in another table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// By its name.
+    Name,
+    /// It is the only one with an empty name in the header.
+    Unnamed,
+    /// By this number in a table without names; in others by the name that is this number.
+    Number(usize),
+}
+
+/// Returns how each column of A is found.
+pub fn places(a: &Source) -> Vec<Place> {
+    let (names, numbers) = (a.column_names(), a.numbers());
+    let reading = a.reading().filter(|reading| reading.header);
+    let is_unnamed = |j: usize| {
+        let column = reading.and_then(|reading| reading.columns.get(j));
+        column.is_some_and(|column| column.name.is_empty())
+    };
+    let place = |j: usize| match is_unnamed(j) {
+        true => Place::Unnamed,
+        false if names[j] == numbers[j].to_string() => Place::Number(numbers[j]),
+        false => Place::Name,
+    };
+    (0..names.len()).map(place).collect()
+}
+
+/// Returns a name that two columns have, empty for two without names.
+pub fn shared(names: &[String], places: &[Place]) -> Option<String> {
+    let mut known = BTreeSet::new();
+    let own = |(name, place): (&String, &Place)| match place {
+        Place::Unnamed => String::new(),
+        Place::Name | Place::Number(_) => name.clone(),
+    };
+    names.iter().zip(places).map(own).find(|name| !known.insert(name.clone()))
+}
 
 /// The columns of A.
 pub struct Names<'a> {
@@ -91,6 +131,20 @@ mod tests {
         assert_eq!(found(&["y"]), Ok(vec![1]));
         assert_eq!(found(&["7", "5"]), Ok(vec![3, 0]));
         assert_eq!(found(&["9", "y"]), Ok(vec![3, 1]));
+    }
+
+    #[test]
+    fn a_name_is_shared_by_columns_that_another_table_can_not_tell_apart() {
+        let shared = |names: &[&str], places: &[Place]| {
+            let names: Vec<String> = names.iter().map(|&name| name.to_owned()).collect();
+            shared(&names, places)
+        };
+        let (name, number) = (Place::Name, Place::Number);
+        assert_eq!(shared(&["x", "y", "x"], &[name, name, name]), Some("x".into()));
+        assert_eq!(shared(&["0", "1", "0"], &[number(0), number(1), name]), Some("0".into()));
+        // The second one has an empty name, and is shown by its number.
+        assert_eq!(shared(&["2", "2", "y"], &[name, Place::Unnamed, name]), None);
+        assert_eq!(shared(&["1", "2"], &[Place::Unnamed, Place::Unnamed]), Some(String::new()));
     }
 
     #[test]

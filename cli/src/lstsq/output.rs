@@ -9,6 +9,7 @@ use catamaran::io::{Array, Output, write_arrays};
 use catamaran::solve::LeastSquares;
 
 use super::design::Term;
+use super::names::Place;
 use crate::gram::SHOWN;
 use crate::report::{head, report, row, shown, status};
 
@@ -338,13 +339,19 @@ fn of_intercept(name: &str) -> &'static str {
 /// Returns a term as JSON.
 fn term(term: &Term) -> String {
     let column = quoted(&term.column);
-    match term.levels.is_empty() {
-        true => format!("{{\"column\": {column}}}"),
+    let place = match term.place {
+        Place::Name => String::new(),
+        Place::Unnamed => ", \"name\": \"\"".into(),
+        Place::Number(number) => format!(", \"number\": {number}"),
+    };
+    let levels = match term.levels.is_empty() {
+        true => String::new(),
         false => {
             let levels = list(term.levels.iter().map(|level| quoted(level)));
-            format!("{{\"column\": {column}, \"levels\": {levels}}}")
+            format!(", \"levels\": {levels}")
         }
-    }
+    };
+    format!("{{\"column\": {column}{place}{levels}}}")
 }
 
 /// Returns a matrix as JSON: a list of its rows.

@@ -7,7 +7,7 @@ use anyhow::Result;
 use catamaran::Par;
 use catamaran_geometry::mesh::io::MeshFile;
 use catamaran_geometry::mesh::{
-    Comparison, Genus, OneSided, Problem, RepairStep, TriMesh, Validation,
+    Comparison, Edges, Genus, OneSided, Problem, RepairStep, TriMesh, Validation,
 };
 use serde_json::{Value, json};
 
@@ -42,24 +42,35 @@ pub fn validation(mesh: &TriMesh, found: &Validation) -> Result<()> {
 /// What `--weld` with a tolerance does.
 const JOINS: &str = "joins vertices at most that far apart";
 
+/// Returns the length of the shortest edge that is not 0; infinite without one.
+fn shortest_edge(mesh: &TriMesh) -> f64 {
+    let length = |&[a, b]: &[u32; 2]| distance(mesh, a, b);
+    let edges = Edges::new(mesh);
+    let lengths = edges.ends().iter().map(length).filter(|length| *length > 0.0);
+    lengths.fold(f64::INFINITY, f64::min)
+}
+
+/// Returns the distance between two vertices.
+fn distance(mesh: &TriMesh, a: u32, b: u32) -> f64 {
+    let [a, b] = [a, b].map(|v| mesh.vertices()[v as usize]);
+    (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
+}
+
 /// Returns the options that help against the problems of a mesh, with what they do.
 fn options(mesh: &TriMesh, found: &Validation) -> Vec<(String, &'static str)> {
     let mut options = Vec::new();
     let has = |kind: fn(&Problem) -> bool| found.problems.iter().any(kind);
-    let place = |v: u32| mesh.vertices()[v as usize];
     let apart = found.problems.iter().filter_map(|problem| match problem {
-        Problem::CoincidentVertex { vertex, first } => {
-            let (a, b) = (place(*vertex), place(*first));
-            Some((0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt())
-        }
+        Problem::CoincidentVertex { vertex, first } => Some(distance(mesh, *vertex, *first)),
         _ => None,
     });
     match apart.reduce(f64::max) {
         Some(0.0) => options.push(("--weld".into(), "joins vertices in the same place")),
-        Some(apart) => {
-            // A round number above the distance.
+        // A round number above the distance, below the edges, which are to stay.
+        Some(apart) if 2.0 * apart < shortest_edge(mesh) => {
             options.push((format!("--weld={:.0e}", 1.5 * apart), JOINS));
         }
+        Some(_) => options.push(("--weld=TOLERANCE".into(), JOINS)),
         None if has(|p| matches!(p, Problem::LooseFace(_))) => {
             options.push(("--weld=TOLERANCE".into(), JOINS));
         }
@@ -84,7 +95,12 @@ fn options(mesh: &TriMesh, found: &Validation) -> Vec<(String, &'static str)> {
     // A surface like a Moebius strip stays inconsistent.
     if !has(|p| matches!(p, Problem::NotOrientable { .. })) {
         let disagree = |p: &Problem| matches!(p, Problem::Inconsistent { .. });
-        add(disagree, "--orient", "flips faces until they agree");
+        if has(disagree) {
+            add(disagree, "--orient", "flips faces until they agree");
+        } else {
+            let is_turned = |p: &Problem| matches!(p, Problem::InsideOut(_));
+            add(is_turned, "--orient", "flips the faces of components that are inside out");
+        }
     }
     options
 }
@@ -112,6 +128,7 @@ fn problem(problem: &Problem) -> Value {
         Problem::Inconsistent { ends, faces } => {
             json!({"kind": "inconsistent", "ends": ends, "faces": faces})
         }
+        Problem::InsideOut(face) => json!({"kind": "inside_out", "face": face}),
         Problem::CoincidentVertex { vertex, first } => {
             json!({"kind": "coincident_vertex", "vertex": vertex, "first": first})
         }

@@ -62,6 +62,9 @@ pub fn add_rows<T: BlasReal>(
         go_on
     };
     let mut done = stream(rows, weights, height, sum, &options, &mut after_block);
+    if let Some(checkpoint) = &checkpoint {
+        done = done.map_err(|error| checkpoint.of_blocks(error));
+    }
     if done.is_ok() {
         done = ranks.gather_up();
         if let (Err(_), Some(checkpoint)) = (&done, &checkpoint) {

@@ -11,7 +11,7 @@ use catamaran::io::{self as files, Output, Overwrite};
 use catamaran::rows::Accumulator;
 
 use super::list::RowList;
-use super::parts::{CheckpointFile, ROWS, Saved};
+use super::parts::{CheckpointFile, ROWS, Saved, differing_options};
 use crate::claims::{Purpose, claim};
 use crate::common::Force;
 use crate::parse;
@@ -189,48 +189,64 @@ fn of_any_run<T: BlasReal>(
     labels: &[(String, String)],
 ) -> Result<Begun<T>> {
     let found = match ranks.is_first() {
-        true => find(base, ranks.size(), labels),
+        true => Saved::find(base, labels).map(|saved| saved.to_text()),
         false => Ok(String::new()),
     };
     let text = ranks.text_of_first(ranks.meet(found)?);
-    let begun = || -> Result<Begun<T>> {
-        let name = base.display();
-        let saved = Saved::from_text(&text).with_context(|| format!("{name}: its path"))?;
-        let all = saved.rows();
-        let Some(rest) = all.rest(m) else {
-            bail!("{name}: its files have the sums of some rows twice, or of rows that A lacks")
-        };
-        let own = rest.part(ranks.share(rest.len(), together));
-        let (mut sum, mut before) = (None::<Accumulator<T>>, RowList::default());
-        let of_own = |rank: usize| rank % ranks.size() == ranks.rank();
-        for part in saved.parts.iter().filter(|part| of_own(part.rank)) {
-            let next = read(&part.path, n, labels, None)?;
-            before = before.join(&part.rows);
-            match &mut sum {
-                None => sum = Some(next),
-                Some(sum) => {
-                    sum.merge(next).with_context(|| part.path.display().to_string())?;
-                }
-            }
-        }
-        let rows = before.join(&own);
-        if let Some(sum) = &mut sum {
-            sum.set_expected_rows(rows.len() as u64);
-        }
-        Ok(Begun { sum, rows, done: all.len() })
+    let saved = Saved::from_text(&text).with_context(|| format!("{}: its path", base.display()));
+    let saved = ranks.meet(saved)?;
+    let begun = ranks.meet(of_files(&saved, base, ranks, (m, n), together, labels))?;
+    // What is refused stays on the disk, so nothing is removed earlier.
+    let removed = match ranks.is_first() {
+        true => remove_rest(base, ranks.size(), &saved),
+        false => Ok(()),
     };
-    ranks.meet(begun())
+    ranks.meet(removed)?;
+    Ok(begun)
 }
 
-/// Finds the files to continue from, as text. Removes those that have the names of this run and are
-/// not continued: later they would be taken for files of this run.
-fn find(base: &Path, ranks: usize, labels: &[(String, String)]) -> Result<String> {
-    let saved = Saved::find(base, labels)?;
-    if saved.ranks != ranks {
-        let parts = CheckpointFile::find(base)?;
-        parts.iter().filter(|part| part.ranks == ranks).try_for_each(|part| remove(&part.path))?;
+/// Returns what this process begins with, of the files that all processes continue.
+fn of_files<T: BlasReal>(
+    saved: &Saved,
+    base: &Path,
+    ranks: &Ranks,
+    (m, n): (usize, usize),
+    together: usize,
+    labels: &[(String, String)],
+) -> Result<Begun<T>> {
+    let all = saved.rows();
+    let Some(rest) = all.rest(m) else {
+        let name = base.display();
+        bail!("{name}: its files have the sums of some rows twice, or of rows that A lacks")
+    };
+    let own = rest.part(ranks.share(rest.len(), together));
+    let (mut sum, mut before) = (None::<Accumulator<T>>, RowList::default());
+    let of_own = |rank: usize| rank % ranks.size() == ranks.rank();
+    for part in saved.parts.iter().filter(|part| of_own(part.rank)) {
+        let next = read(&part.path, n, labels, None)?;
+        before = before.join(&part.rows);
+        match &mut sum {
+            None => sum = Some(next),
+            Some(sum) => {
+                sum.merge(next).with_context(|| part.path.display().to_string())?;
+            }
+        }
     }
-    Ok(saved.to_text())
+    let rows = before.join(&own);
+    if let Some(sum) = &mut sum {
+        sum.set_expected_rows(rows.len() as u64);
+    }
+    Ok(Begun { sum, rows, done: all.len() })
+}
+
+/// Removes the files that have the names of this run and are not those that it continues: later
+/// they would be taken for files of this run.
+fn remove_rest(base: &Path, ranks: usize, continued: &Saved) -> Result<()> {
+    if continued.ranks == ranks {
+        return Ok(());
+    }
+    let parts = CheckpointFile::find(base)?;
+    parts.iter().filter(|part| part.ranks == ranks).try_for_each(|part| remove(&part.path))
 }
 
 /// A file that is replaced from time to time.
@@ -271,6 +287,18 @@ impl Checkpoint {
         );
     }
 
+    /// Adds the file to the error of sums that were made in other blocks.
+    pub fn of_blocks(&self, error: catamaran::Error) -> catamaran::Error {
+        match error {
+            catamaran::Error::Argument { what: "accumulator", why }
+                if why.contains(" of a block") =>
+            {
+                catamaran::Error::file(&self.path, format!("--block-rows: {why}"))
+            }
+            error => error,
+        }
+    }
+
     fn write<T: BlasReal>(&self, sum: &Accumulator<T>) -> catamaran::Result<()> {
         let output = Output::create(&self.path, Overwrite::Replace)?;
         files::write_accumulator(output, sum)
@@ -298,6 +326,9 @@ fn read<T: BlasReal>(
     let sum = files::read_accumulator::<T>(path)?;
     let own = || sum.labels().iter().find(|(name, _)| name == ROWS).map(|(_, rows)| rows.clone());
     let rows = rows.map(ToString::to_string).or_else(own).unwrap_or_default();
+    if let Some(what) = differing_options(sum.labels(), labels) {
+        bail!("{}: made with other options: {what}", name());
+    }
     let mut wanted = labels.to_vec();
     wanted.push((ROWS.to_owned(), rows));
     sum.check_labels(&wanted).with_context(name)?;

@@ -14,6 +14,13 @@ impl From<Range<usize>> for RowList {
     }
 }
 
+/// Lists rows, or the columns of a file, in this order.
+impl FromIterator<usize> for RowList {
+    fn from_iter<I: IntoIterator<Item = usize>>(rows: I) -> Self {
+        rows.into_iter().fold(Self::default(), |list, row| list.then(row..row + 1))
+    }
+}
+
 impl RowList {
     /// Returns the list with these rows at its end.
     fn then(mut self, rows: Range<usize>) -> Self {
@@ -28,6 +35,11 @@ impl RowList {
     /// Returns the list followed by another one.
     pub fn join(self, other: &Self) -> Self {
         other.0.iter().cloned().fold(self, Self::then)
+    }
+
+    /// Returns the rows, one after another.
+    pub fn iter(&self) -> impl Iterator<Item = usize> + '_ {
+        self.0.iter().cloned().flatten()
     }
 
     /// Returns the number of rows.
@@ -124,6 +136,9 @@ mod tests {
             assert_eq!(list(text).to_string(), text);
         }
         assert_eq!(list("0..3,3..5").to_string(), "0..5");
+        let rows = [3, 4, 5, 1, 0];
+        assert_eq!(RowList::from_iter(rows).to_string(), "3..6,1..2,0..1");
+        assert!(RowList::from_iter(rows).iter().eq(rows));
         assert_eq!(RowList::from(4..4), list(""));
         for text in ["3", "3..", "3..2", "3..3", "a..b", "-1..2"] {
             assert_eq!(text.parse::<RowList>(), Err(()), "{text}");

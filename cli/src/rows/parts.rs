@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use catamaran::io::accumulator_labels;
+use catamaran::io::{FileFormat, ReadOptions, accumulator_labels};
 
 use super::list::RowList;
 
@@ -16,9 +16,65 @@ pub const ROWS: &str = "rows";
 /// The label of the names of the columns, one in a line.
 pub const COLUMNS: &str = "columns";
 
+/// The label of the numbers that the columns have in a file without names, as a [`RowList`].
+pub const NUMBERS: &str = "column numbers";
+
+/// The label of what merged sums are made of: a fingerprint of each part, between commas.
+pub const PARTS: &str = "parts";
+
+/// How the labels of options begin.
+const OPTION: &str = "option ";
+
 /// The label of the weights of the rows, and its value for rows without weights.
 pub const WEIGHTS: &str = "weights";
 pub const WITHOUT_WEIGHTS: &str = "none";
+
+/// Returns the options that say how A is read, as labels, each with what the command line has.
+pub fn option_labels(options: &ReadOptions<'_>) -> Vec<(String, String)> {
+    let mut given = options.table.given();
+    if !options.columns.is_all() {
+        let columns = options.columns.to_string();
+        let list = columns.strip_prefix("columns ").unwrap_or(&columns);
+        given.insert(0, ("columns", list.to_owned()));
+    }
+    let format = FileFormat::NAMES.into_iter().find(|(_, format)| Some(*format) == options.format);
+    given.extend(format.map(|(name, _)| ("format", name.to_owned())));
+    given.into_iter().map(|(name, value)| (format!("{OPTION}{name}"), flag(name, &value))).collect()
+}
+
+/// Returns an option as it is on the command line.
+fn flag(name: &str, value: &str) -> String {
+    match name {
+        "header" | "index" => {
+            let no = if value == "true" { "" } else { "no-" };
+            format!("--{no}{name}")
+        }
+        _ => format!("--{} {value}", name.replace('_', "-")),
+    }
+}
+
+/// Returns how the options among labels differ from those of this command, if they do.
+pub fn differing_options(
+    saved: &[(String, String)],
+    wanted: &[(String, String)],
+) -> Option<String> {
+    let value = |labels: &[(String, String)], name: &str| {
+        labels.iter().find(|label| label.0 == name).map(|label| label.1.clone())
+    };
+    let is_other = |(name, _): &&(String, String)| value(wanted, name).is_none();
+    let all = wanted.iter().chain(saved.iter().filter(is_other));
+    let options = all.filter(|(name, _)| name.starts_with(OPTION));
+    let differing =
+        options.filter_map(|(name, _)| match (value(saved, name), value(wanted, name)) {
+            (Some(was), Some(is)) if was == is => None,
+            (Some(was), Some(is)) => Some(format!("{was} was given, and {is} is now")),
+            (Some(was), None) => Some(format!("{was} was given, and is not now")),
+            (None, Some(is)) => Some(format!("{is} was not given, and is now")),
+            (None, None) => None,
+        });
+    let differing: Vec<String> = differing.collect();
+    (!differing.is_empty()).then(|| differing.join("; "))
+}
 
 /// A file of a checkpoint.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -147,6 +203,8 @@ impl Saved {
 
 #[cfg(test)]
 mod tests {
+    use catamaran::io::{Columns, TableOptions};
+
     use super::*;
 
     #[test]
@@ -168,6 +226,25 @@ mod tests {
             Path::new("a/sums.0-of-2")
         );
         assert_eq!(CheckpointFile::name(Path::new("sums"), None), Path::new("sums"));
+    }
+
+    #[test]
+    fn options_that_differ_are_named_as_on_the_command_line() {
+        let labels = |table: TableOptions, columns: &str| {
+            let columns = if columns.is_empty() { Columns::ALL } else { Columns::parse(columns) };
+            option_labels(&ReadOptions::new().table(table).columns(columns))
+        };
+        let one = labels(TableOptions::new().skip(2).header(false), "0..3");
+        let other = labels(TableOptions::new().skip(1).decimal(',').header(false), "");
+        assert_eq!(differing_options(&one, &one), None);
+        let expected = "--decimal ',' was not given, and is now; --skip 2 was given, and --skip 1 \
+                        is now; --columns 0..3 was given, and is not now";
+        assert_eq!(differing_options(&one, &other).unwrap(), expected);
+        let without = differing_options(&one, &[]).unwrap();
+        assert!(without.contains("--no-header was given, and is not now"), "{without}");
+        // Other labels are compared elsewhere.
+        let weights = [("weights".to_owned(), "none".to_owned())];
+        assert_eq!(differing_options(&weights, &[]), None);
     }
 
     #[test]

@@ -1,10 +1,11 @@
 //! The rows of A: a file that is read block by block, or a matrix in memory.
 
+use std::fmt::Display;
 use std::fs;
 use std::ops::ControlFlow;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Instant, UNIX_EPOCH};
 
 use anyhow::{Context, Result, bail};
 use catamaran::base::{Real, zeros};
@@ -12,8 +13,8 @@ use catamaran::blas::BlasReal;
 use catamaran::faer::prelude::ReborrowMut;
 use catamaran::faer::{Mat, MatMut, MatRef, c64};
 use catamaran::io::{
-    self as files, ColumnKind, CsMat, FileContent, Matrix, ReadOptions, RowFile, SparseRows,
-    TableFile, TableReading,
+    self as files, ColumnKind, CsMat, FileContent, FileFormat, Matrix, ReadOptions, RowFile,
+    SparseRows, TableFile, TableReading,
 };
 use catamaran::rows::{Coding, DenseRows, RowBlocks};
 
@@ -36,8 +37,6 @@ pub struct Source {
     names: Vec<String>,
     /// The columns of a file of rows that are used.
     chosen: Vec<usize>,
-    /// Whether the caller chose columns.
-    is_selected: bool,
 }
 
 enum Content {
@@ -77,7 +76,8 @@ pub fn open(label: &'static str, path: &Path, options: &ReadOptions<'_>) -> Resu
 pub type Rows<'a, T> = Box<dyn RowBlocks<T> + Send + 'a>;
 
 impl Source {
-    /// Opens `.npy`, HDF5 and columnar files and large text tables, and reads all others.
+    /// Opens `.npy`, HDF5 and columnar files and large text tables, and reads all others. Options
+    /// that do not apply to the file are no error: see [`check_options`].
     pub fn open(name: &Path, options: &ReadOptions<'_>) -> Result<Self> {
         let (mut names, mut chosen) = (Vec::new(), Vec::new());
         let content = if options.format.is_none() && RowFile::is_one(name) {
@@ -98,8 +98,7 @@ impl Source {
             names = content.names.clone();
             Content::Whole(content)
         };
-        let is_selected = !options.columns.is_all();
-        Ok(Self { name: name.into(), content, names, chosen, is_selected })
+        Ok(Self { name: name.into(), content, names, chosen })
     }
 
     /// Returns the path of the file.
@@ -114,6 +113,11 @@ impl Source {
             Content::Table(file) => Some(file.reading()),
             Content::Whole(content) => content.reading.as_ref(),
         }
+    }
+
+    /// Returns the format of a table; `None` for an array.
+    fn format(&self) -> Option<FileFormat> {
+        self.reading().map(|reading| reading.format)
     }
 
     /// Says how a text table was read, and what a user may not expect of the rows of a file.
@@ -188,10 +192,40 @@ impl Source {
         (0..numbers.len()).map(name).collect()
     }
 
-    /// Returns the names of the columns, unless they are all columns of a file without names.
-    pub fn selected_names(&self) -> Option<Vec<String>> {
-        let is_named = self.names.iter().any(|name| !name.is_empty());
-        (is_named || self.is_selected).then(|| self.column_names())
+    /// Returns whether the file has names of columns.
+    pub fn is_named(&self) -> bool {
+        self.names.iter().any(|name| !name.is_empty())
+    }
+
+    /// Returns columns for a message, by their numbers in the file and their names: `column 2 (x)`,
+    /// or `columns 2, 3 (counted from 0)` without names.
+    pub fn described(&self, columns: &[usize]) -> String {
+        /// Most columns that are listed.
+        const LISTED: usize = 10;
+        let s = if columns.len() == 1 { "" } else { "s" };
+        let some = &columns[..columns.len().min(LISTED)];
+        let mut list = self.listed(some);
+        if columns.len() > LISTED {
+            list += &format!(" and {} more", columns.len() - LISTED);
+        }
+        let base = if self.is_named() { "" } else { " (counted from 0)" };
+        format!("column{s} {list}{base}")
+    }
+
+    /// Returns the numbers of columns in the file, with their names if they have some.
+    fn listed(&self, columns: &[usize]) -> String {
+        let numbers = self.numbers();
+        let label = |&j: &usize| match self.names.get(j).filter(|name| !name.is_empty()) {
+            Some(name) => format!("{} ({name})", numbers[j]),
+            None => numbers[j].to_string(),
+        };
+        columns.iter().map(label).collect::<Vec<_>>().join(", ")
+    }
+
+    /// Says what an entry is, and where in the file.
+    pub fn at(&self, entry: impl Display, row: usize, column: usize) -> String {
+        let base = if self.is_named() { ", counted from 0" } else { " (counted from 0)" };
+        format!("{entry} at row {row}, column {}{base}", self.listed(&[column]))
     }
 
     /// Returns whether the matrix is read block by block.
@@ -272,14 +306,9 @@ impl Source {
             Content::Table(file) => file.identity(),
             Content::Whole(content) => {
                 let path = fs::canonicalize(&self.name).unwrap_or_else(|_| self.name.clone());
-                let about = fs::metadata(&self.name).ok();
-                let changed = about.as_ref().and_then(|about| about.modified().ok());
-                let (bytes, columns) = (about.map(|about| about.len()), content.matrix.ncols());
-                let columns = match &content.reading {
-                    Some(reading) => format!("{columns} columns ({reading:?})"),
-                    None => format!("{columns} columns"),
-                };
-                format!("{}, {columns}, {bytes:?} bytes, {changed:?}", path.display())
+                let (m, n) = (content.matrix.nrows(), content.matrix.ncols());
+                let version = version(file_of(&self.name));
+                format!("{}, {m} x {n}{version}", path.display())
             }
         }
     }
@@ -313,7 +342,7 @@ impl Source {
             Content::Table(file) => Box::new(file.try_clone()?),
             Content::Whole(content) => rows_of::<T>(&self.name, &content.matrix)?,
         };
-        Ok(if require_finite { Box::new(Finite { rows, name: &self.name }) } else { rows })
+        Ok(if require_finite { Box::new(Finite { rows, source: self }) } else { rows })
     }
 
     /// Returns the rows of a file with the columns that are used.
@@ -337,7 +366,7 @@ impl Source {
     pub fn not_finite(&self) -> Result<Option<String>> {
         if let Some(sparse) = self.sparse() {
             let found = sparse.iter().find(|(x, _)| !x.is_finite());
-            return Ok(found.map(|(x, (row, column))| at(*x, row, column)));
+            return Ok(found.map(|(x, (row, column))| self.at(x, row, column)));
         }
         let (m, n) = self.shape();
         if m == 0 || n == 0 {
@@ -353,7 +382,7 @@ impl Source {
             let mut block = MatMut::from_row_major_slice_mut(entries, count, n);
             rows.read(first, block.rb_mut())?;
             if let Some((i, j)) = first_not_finite(block.as_ref()) {
-                return Ok(Some(at(block[(i, j)], first + i, j)));
+                return Ok(Some(self.at(block[(i, j)], first + i, j)));
             }
         }
         Ok(None)
@@ -410,7 +439,7 @@ const BLOCK: usize = 1 << 20;
 /// Rows that must be finite.
 struct Finite<'a, T> {
     rows: Rows<'a, T>,
-    name: &'a Path,
+    source: &'a Source,
 }
 
 impl<T: Real> RowBlocks<T> for Finite<'_, T> {
@@ -426,8 +455,8 @@ impl<T: Real> RowBlocks<T> for Finite<'_, T> {
         self.rows.read(first, out.rb_mut())?;
         match first_not_finite(out.as_ref()) {
             Some((i, j)) => {
-                let what = at(out[(i, j)].to_f64(), first + i, j);
-                Err(catamaran::Error::file(self.name, what))
+                let what = self.source.at(out[(i, j)].to_f64(), first + i, j);
+                Err(catamaran::Error::file(self.source.path(), what))
             }
             None => Ok(()),
         }
@@ -441,9 +470,14 @@ fn first_not_finite<T: Real>(block: MatRef<'_, T>) -> Option<(usize, usize)> {
     (0..block.nrows()).find_map(|i| Some((i, column(i)?)))
 }
 
-/// Says what an entry is and where.
-fn at(value: f64, row: usize, column: usize) -> String {
-    format!("{value} at row {row}, column {column} (counted from 0)")
+/// Returns the size and the time of modification of a file, each behind a comma.
+fn version(path: &Path) -> String {
+    let Ok(about) = fs::metadata(path) else { return String::new() };
+    let since = about.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
+    let modified = since.map_or_else(String::new, |since| {
+        format!(", modified {}.{:09}", since.as_secs(), since.subsec_nanos())
+    });
+    format!(", {} bytes{modified}", about.len())
 }
 
 /// Rows that report to a bar how far they were read, and stop after a signal.
@@ -490,13 +524,27 @@ fn large_table(path: &Path, options: &ReadOptions<'_>) -> Result<Option<TableFil
     }
     let bar = Bar::new("reading");
     let update = |fraction| bar.update(fraction);
-    named(path, TableFile::open(path, &options.clone().progress(&update)))
+    named(path, TableFile::open_one_of_several(path, &options.clone().progress(&update)))
 }
 
 fn read(path: &Path, options: &ReadOptions<'_>) -> Result<FileContent> {
     let bar = Bar::new("reading");
     let update = |fraction| bar.update(fraction);
-    named(path, files::read_file(path, &options.clone().progress(&update)))
+    named(path, files::read_one_of_several(path, &options.clone().progress(&update)))
+}
+
+/// Refuses options of tables that apply to none of the files of a command: A, B if there is one,
+/// and weights.
+pub fn check_options(
+    a: &Source,
+    b: Option<&Source>,
+    weights: Option<&Path>,
+    options: &ReadOptions<'_>,
+) -> Result<()> {
+    let formats: Vec<_> = [Some(a), b].into_iter().flatten().map(Source::format).collect();
+    // By their name; a check after they are read would be late.
+    let is_text = |path: &Path| !RowFile::is_one(path) && !TableFile::is_columnar(path);
+    Ok(options.check_effects(a.path(), &formats, weights.is_some_and(is_text))?)
 }
 
 /// Adds the file to errors that do not name it.
@@ -515,7 +563,7 @@ pub fn read_weights(path: &Path, a: &Source, table: &TableArgs) -> Result<Vec<f6
     a.refuse_dropped(path)?;
     let m = a.shape().0;
     let options = table.of_weights();
-    let source = Source::open(path, &options)?;
+    let source = Source::open(path, &options).map_err(of_weights)?;
     source.say(&options)?;
     let (nrows, ncols) = source.shape();
     if (nrows, ncols) != (m, 1) && (nrows, ncols) != (1, m) {
@@ -533,6 +581,46 @@ pub fn read_weights(path: &Path, a: &Source, table: &TableArgs) -> Result<Vec<f6
         Some(i) => bail!("{}: weight {i} (counted from 0) is not finite", path.display()),
         None => Ok(weights),
     }
+}
+
+/// Returns the error of a file of weights without advice that applies to A only: a weight may
+/// neither be missing nor be in a column that is left out.
+fn of_weights(error: anyhow::Error) -> anyhow::Error {
+    let shorter = match error.downcast_ref() {
+        Some(catamaran::Error::Io { path, line, what, .. }) => {
+            // The advice for a missing cell, and for a word that may stand for one.
+            what.split_once("; option `missing").map(|(fact, _)| catamaran::Error::Io {
+                path: path.clone(),
+                line: *line,
+                what: format!("{fact}: each row needs a weight"),
+                cause: None,
+            })
+        }
+        _ => None,
+    };
+    shorter.map_or(error, Into::into)
+}
+
+/// Returns the power of two that the largest weight of exact sums must reach: their units are no
+/// smaller.
+fn least_power<T: Real>() -> i32 {
+    if size_of::<T>() == 8 { -800 } else { -76 }
+}
+
+/// Checks that weights keep their digits in exact sums of scalars T.
+///
+/// # Errors
+/// All of them are too small, but not all are 0.
+pub fn check_size_of_weights<T: Real>(path: &Path, weights: &[f64]) -> Result<()> {
+    let largest = weights.iter().fold(0.0_f64, |most, w| most.max(w.abs()));
+    if largest > 0.0 && largest < 2.0_f64.powi(least_power::<T>()) {
+        bail!(
+            "{}: the weights are too small: the largest is {largest:e}; multiply them by a power \
+             of ten",
+            path.display()
+        );
+    }
+    Ok(())
 }
 
 /// Checks that all processes have read the same weights, if there are any.

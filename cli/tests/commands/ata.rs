@@ -212,7 +212,9 @@ fn every_scheme_and_accuracy_gives_the_product() {
     folder.write_npy("a.npy", &[m as u64, n as u64], &table(m, n));
     let expected = oracle(&table(m, n), n, None);
     for scheme in ["auto", "classical", "ata2", "winograd", "rxtx", "kgp", "kgp3", "exact"] {
-        for accuracy in ["max", "classical", "default", "fast", "2.5"] {
+        let exact = ["auto", "exact"].contains(&scheme);
+        let accuracies = ["classical", "default", "fast", "2.5", "max"];
+        for accuracy in accuracies.into_iter().filter(|&accuracy| exact || accuracy != "max") {
             let options = format!("--scheme {scheme} --accuracy {accuracy} --threads 2 --verify");
             folder.succeed(&format!("ata a.npy -o c.npy --force {options}"));
             assert_eq!(folder.read_npy::<f64>("c.npy", &[n; 2]), expected, "{options}");
@@ -294,14 +296,14 @@ fn reproducible_product_of_a_sparse_file_takes_the_exact_path() {
 }
 
 #[test]
-fn reproducible_refuses_other_schemes() {
+fn options_of_the_exact_path_refuse_other_schemes() {
     let (folder, _) = with_input(M, N);
-    for scheme in ["classical", "ata2", "winograd", "rxtx", "kgp", "kgp3"] {
-        let message = folder.fail(&format!("ata a.npy -o c.npy --reproducible --scheme {scheme}"));
-        assert!(
-            message.contains("--reproducible") && message.contains(&format!("--scheme {scheme}")),
-            "{message}"
-        );
+    for option in ["--reproducible", "--accuracy max"] {
+        for scheme in ["float", "classical", "ata2", "winograd", "rxtx", "kgp", "kgp3"] {
+            let message = folder.fail(&format!("ata a.npy -o c.npy {option} --scheme {scheme}"));
+            let both = message.contains(option) && message.contains(&format!("--scheme {scheme}"));
+            assert!(both, "{message}");
+        }
     }
 }
 
@@ -502,6 +504,18 @@ fn squares_of_a_column_that_underflow_are_noted() {
 }
 
 #[test]
+fn columns_that_are_constant_in_single_precision_are_all_noted() {
+    let folder = Folder::new();
+    let rows = ["1000000000,1,1000000000000", "1000000001,2,1000000000003", "1000000002,3,1e12"];
+    folder.write("a.csv", format!("a,b,c\n{}\n", rows.join("\n")));
+    let run = folder.run("ata a.csv --f32 --covariance");
+    let note = "note: a.csv: rounded to f32, columns 0 (a), 2 (c) are constant, which makes the \
+                diagonal of C 0 there: leave --f32 out\n";
+    assert_eq!((run.code, run.stderr.as_str()), (Some(0), note));
+    assert_eq!(folder.run("ata a.csv --covariance").stderr, "");
+}
+
+#[test]
 fn entries_of_other_products_that_are_not_finite_are_noted() {
     let folder = Folder::new();
     folder.write("a.csv", "1e200,1\n2,3\n");
@@ -568,8 +582,59 @@ fn weights_that_do_not_fit_are_refused() {
         "{message}"
     );
     folder.write("nan.csv", "1\nnan\n".to_owned() + &"2\n".repeat(M - 2));
-    let message = folder.fail("ata a.npy --weights nan.csv -o c.npy");
-    assert!(message.contains("nan.csv:2: column 1: \"nan\" where a number should be"), "{message}");
+    folder.write("word.csv", "1\nnone\n".to_owned() + &"2\n".repeat(M - 2));
+    // Advice for A would not help.
+    for (weights, what) in [
+        ("nan.csv", "nan.csv:2: column 1: \"nan\" where a number should be"),
+        ("word.csv", "word.csv:2: column 1: \"none\" is not a number"),
+    ] {
+        for command in ["ata a.npy", "pca a.npy --missing drop", "lstsq a.npy --by-column 0"] {
+            let message = folder.fail(&format!("{command} --weights {weights}"));
+            let expected = format!("{what}: each row needs a weight\n");
+            assert!(message.ends_with(&expected), "{command}: {message}");
+        }
+    }
+}
+
+#[test]
+fn weights_too_small_for_exact_sums_are_refused_by_their_file() {
+    let folder = Folder::new();
+    folder.write("a.csv", "y,a,b\n1,2,3\n2,5,1\n3,4,9\n4,4,2\n");
+    folder.write("w.csv", "1e-300\n2e-300\n1e-300\n1e-300\n");
+    for command in ["pca a.csv", "lstsq a.csv --by-column y", "ata a.csv --center --reproducible"] {
+        let message = folder.fail(&format!("{command} --weights w.csv"));
+        let expected = "w.csv: the weights are too small: the largest is 2e-300";
+        assert!(message.contains(expected), "{command}: {message}");
+    }
+    folder.succeed("ata a.csv --center --weights w.csv");
+}
+
+#[test]
+fn what_is_not_finite_is_named_by_its_column_in_the_file() {
+    let folder = Folder::new();
+    folder.write("a.csv", "y,q,a,b\n1,1,2,3\n2,2,5,1\n3,5,inf,9\n4,4,4,2\n");
+    folder.write("text.csv", "name,x,a\nu,1,2\nv,3,inf\nw,5,1\n");
+    let inf = f64::INFINITY;
+    folder.write_npy("a.npy", &[3, 3], &[1.0, 2.0, 3.0, 4.0, 5.0, inf, 7.0, 8.0, 9.0]);
+    let complex = "%%MatrixMarket matrix array complex general\n1 2\n1 0\ninf 0\n";
+    folder.write("a.mtx", complex);
+    let named = "a.csv: inf at row 2, column 2 (a), counted from 0";
+    let numbered = "a.npy: inf at row 1, column 2 (counted from 0)";
+    for (arguments, expected) in [
+        ("pca a.csv --columns a,b", named),
+        ("svd a.csv --columns a,b", named),
+        ("lstsq a.csv --columns y,a,b --by-column y", named),
+        ("ata a.csv --columns b,a --require-finite", named),
+        ("ata text.csv --require-finite", "inf at row 1, column 2 (a), counted from 0"),
+        ("pca a.npy --columns 2,0", numbered),
+        ("ata a.npy --columns 1..3 --require-finite", numbered),
+        ("ata a.mtx --columns 1 --require-finite", "inf+0i at row 0, column 1 (counted from 0)"),
+    ] {
+        let message = folder.fail(arguments);
+        assert!(message.contains(expected), "{arguments}: {message}");
+    }
+    let run = folder.run("ata a.csv --columns b,a");
+    assert!(run.stderr.starts_with(&format!("note: {named}; ")), "{}", run.stderr);
 }
 
 #[test]

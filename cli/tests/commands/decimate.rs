@@ -87,6 +87,32 @@ fn a_mesh_has_as_many_vertices_as_are_asked_for_and_a_report() {
 }
 
 #[test]
+fn the_report_says_that_the_hausdorff_distance_is_that_of_the_vertices() {
+    let folder = folder("in.ply", &sphere().into());
+    let said = folder.succeed("decimate in.ply -n 60 -o out.ply --report");
+    let line = said.lines().find(|line| line.starts_with("Hausdorff   ")).unwrap();
+    assert!(line.contains(" of the vertices, eq. 5.8 as printed "), "{line}");
+    let said = folder.succeed("decimate in.ply -n 60 -o out.ply --report --json --force");
+    let record = said.lines().find(|line| line.contains("\"record\":\"hausdorff\"")).unwrap();
+    assert!(record.contains("\"of_vertices\":") && !record.contains("\"distance\":"), "{record}");
+}
+
+#[test]
+fn faces_without_area_in_the_result_are_noted() {
+    let (points, faces) = families::torus(40, 20, 2.0, 0.8).unwrap().into_parts();
+    let flat = points.into_iter().map(|[x, y, _]| [x, y, 0.0]).collect();
+    let folder = folder("in.ply", &TriMesh::new(flat, faces).unwrap().into());
+    for n in [20, 100, 300] {
+        let run = folder.run(&format!("decimate in.ply -n {n} -o out.ply --force"));
+        assert_eq!(run.code, Some(0), "{}", run.stderr);
+        let found = read(&folder.path("out.ply")).unwrap().mesh.faces_without_area().len();
+        let note =
+            format!("note: {found} faces of the result have no area: try another value of -n");
+        assert_eq!(run.stderr.contains(&note), found > 0, "{n}: {}", run.stderr);
+    }
+}
+
+#[test]
 fn an_error_sets_the_number_of_vertices_and_the_report_has_the_distance_that_it_bounds() {
     let folder = folder("in.ply", &sphere().into());
     let bound = |said: &str| {
@@ -158,6 +184,19 @@ fn locked_vertices_come_first_and_stay_where_they_are() {
     assert!(said.contains("--lock: the method of the thesis locks no vertices"), "{said}");
     let said = folder.fail("decimate in.vtk -n 100 --lock none.txt -o no.ply");
     assert!(said.contains("none.txt"), "{said}");
+}
+
+#[test]
+fn edges_between_locked_vertices_that_the_result_lacks_are_noted() {
+    let torus = families::torus(40, 20, 2.0, 0.8).unwrap();
+    let folder = folder("in.ply", &torus.into());
+    folder.write("all.txt", (0..800).map(|v| format!("{v}\n")).collect::<String>());
+    let run = folder.run("decimate in.ply -n 800 --lock all.txt -o out.ply");
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    // No vertex is new: the edges are not split, but others are in their place.
+    let note = " of 2400 edges between locked vertices are longer than those of the result, and \
+                not in it\n";
+    assert!(run.stderr.contains(note), "{}", run.stderr);
 }
 
 #[test]
@@ -438,6 +477,41 @@ fn farthest_points_are_nested_and_start_their_cells() {
     assert!(refused.contains("in.ply: -n: 2563, but only 2562 vertices"), "{refused}");
     let refused = folder.fail("farthest in.ply -n 5 --first 2562 -o more.csv");
     assert!(refused.contains("in.ply: --first: must be a vertex with a face"), "{refused}");
+}
+
+#[test]
+fn distances_from_farthest_points_are_those_of_a_mesh_of_any_size() {
+    let torus = families::torus(40, 20, 2.0, 0.8).unwrap();
+    let run = |exponent: i32| {
+        let vertices = torus.vertices().iter().map(|p| p.map(|x| x * 2f64.powi(exponent)));
+        let scaled = TriMesh::new(vertices.collect(), torus.faces().to_vec()).unwrap();
+        let folder = folder("in.ply", &scaled.into());
+        folder.succeed("farthest in.ply -n 10 -o few.csv --distances distances.npy");
+        let all: Vec<f64> = folder.read_npy("distances.npy", &[800, 1]);
+        all.into_iter().map(|x| x * 2f64.powi(-exponent)).collect::<Vec<f64>>()
+    };
+    let expected = run(0);
+    for exponent in [-166, -146, 200] {
+        assert_eq!(run(exponent), expected, "{exponent}");
+    }
+}
+
+#[test]
+fn fewer_farthest_points_than_components_leave_an_infinite_radius() {
+    let folder = folder("in.ply", &families::spheres(2, 1).unwrap().into());
+    let run = folder.run("farthest in.ply -n 1 -o few.csv --cells cells.csv --distances d.csv");
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    assert!(run.stdout.contains("samples     1, cells of radius inf, in "), "{}", run.stdout);
+    let note = "note: 1 of 2 components have no sample: 42 vertices are in no cell, and infinitely \
+                far from all samples; -n 2 is enough for one in each";
+    assert!(run.stderr.contains(note), "{}", run.stderr);
+    let count = |name: &str, wanted: f64| {
+        numbers(&folder, name).iter().filter(|row| row[0] == wanted).count()
+    };
+    assert_eq!((count("cells.csv", -1.0), count("d.csv", f64::INFINITY)), (42, 42));
+    let run = folder.run("farthest in.ply -n 2 -o few.csv --force");
+    assert!(!run.stderr.contains("sample"), "{}", run.stderr);
+    assert!(!run.stdout.contains("inf,"), "{}", run.stdout);
 }
 
 #[test]

@@ -23,6 +23,7 @@ mod mesh;
 mod newton;
 mod picture;
 mod pieces;
+mod predict;
 mod ranks;
 mod shapedna;
 mod shell;

@@ -711,6 +711,71 @@ fn loose_triangles_are_a_problem_and_the_option_that_helps_is_named() {
 }
 
 #[test]
+fn no_tolerance_is_advised_that_would_join_the_ends_of_an_edge() {
+    let folder = Folder::new();
+    // Two squares of this size, each of two triangles, with a gap of a thousandth between them.
+    let torn = |size: f64| -> Vec<[f64; 3]> {
+        let gap = size * 9e-4;
+        [[0.0, 0.0], [size, 0.0], [size, size], [size, gap], [size, size + gap], [0.0, size]]
+            .map(|[x, y]| [x, y, size])
+            .into()
+    };
+    let write = |name: &str, sizes: &[f64]| {
+        let mut text = String::new();
+        for (k, &size) in sizes.iter().enumerate() {
+            torn(size).iter().for_each(|[x, y, z]| text += &format!("v {x} {y} {z}\n"));
+            let at = 6 * k;
+            text += &format!(
+                "f {} {} {}\nf {} {} {}\n",
+                at + 1,
+                at + 2,
+                at + 3,
+                at + 4,
+                at + 5,
+                at + 6
+            );
+        }
+        folder.write(name, text);
+        folder.succeed(&format!("mesh {name}"))
+    };
+    assert!(write("torn.obj", &[1.0]).contains("option      --weld=1e-3 "));
+    // The gap of the large one is longer than the edges of the small one.
+    let report = write("both.obj", &[1000.0, 0.01]);
+    assert!(report.contains("option      --weld=TOLERANCE "), "{report}");
+}
+
+#[test]
+fn components_that_are_inside_out_are_a_problem_until_they_are_oriented() {
+    let sphere = families::icosphere(1).unwrap();
+    // A small sphere within, and one beside, which faces the wrong side.
+    let (mut points, mut faces) = sphere.clone().into_parts();
+    for (scale, shift, is_turned) in [(0.5, 0.0, false), (1.0, 5.0, true)] {
+        let first = points.len() as u32;
+        points.extend(
+            sphere.vertices().iter().map(|&[x, y, z]| [scale * x + shift, scale * y, scale * z]),
+        );
+        faces.extend(sphere.faces().iter().map(|face| {
+            let [a, b, c] = face.map(|v| first + v);
+            if is_turned { [a, c, b] } else { [a, b, c] }
+        }));
+    }
+    let folder = with("three.ply", &TriMesh::new(points, faces).unwrap().into());
+    let report = folder.succeed("mesh three.ply");
+    for line in [
+        "problem     closed components that are inside out: 2 (that of face 80; that of face 160)",
+        "option      --orient flips the faces of components that are inside out",
+    ] {
+        assert!(report.lines().any(|said| said == line), "{report}");
+    }
+    let records = folder.succeed("mesh three.ply --json");
+    assert!(records.contains("{\"face\":80,\"kind\":\"inside_out\"}"), "{records}");
+    assert!(folder.fail("mesh three.ply --check").contains("problems found: 2"));
+    let report = folder.succeed("mesh three.ply --orient --check");
+    assert!(report.contains("\norient      160 faces flipped\n"), "{report}");
+    assert!(report.contains("\nproblems    none\n"), "{report}");
+}
+
+#[test]
 fn every_problem_names_an_option_that_removes_it() {
     let folder = Folder::new();
     let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -721,6 +786,11 @@ fn every_problem_names_an_option_that_removes_it() {
         ("split", format!("{square}v 0 0 0\nv 1 1 0\nf 1 2 3\nf 5 6 4\n"), "--weld"),
         ("flat", format!("{square}v 0.5 0 0\nf 1 5 2\nf 1 2 3 4\n"), "--drop-degenerate"),
         ("pages", format!("{square}v 0 0 1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n"), "--repair"),
+        (
+            "inward",
+            "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n".into(),
+            "--orient",
+        ),
     ] {
         folder.write(&format!("{name}.obj"), text);
         let report = folder.succeed(&format!("mesh {name}.obj"));

@@ -67,6 +67,21 @@ fn the_basis_is_orthonormal_and_holds_the_products() {
 }
 
 #[test]
+fn products_that_depend_on_each_other_name_the_mesh_and_the_mode_that_helps() {
+    let folder = Folder::new();
+    let output = Output::create(&folder.path("grid.ply"), Overwrite::Never).unwrap();
+    write(output, &families::grid(16, 16).unwrap().into()).unwrap();
+    let said = folder.fail("basis grid.ply -k 40 --order 3 -o b.npz");
+    assert!(said.contains("grid.ply: --mode: a single pass over 12341 products"), "{said}");
+    assert!(said.ends_with("; --mode rank-revealing leaves none\n"), "{said}");
+    let line =
+        "transfer grid.ply grid.ply --identity --details coordinates -k 40 --order 3 -o t.ply";
+    let said = folder.fail(line);
+    assert!(said.contains("grid.ply: --mode: a single pass over 12341 products"), "{said}");
+    folder.succeed("basis grid.ply -k 40 --order 3 --mode rank-revealing -o b.npz");
+}
+
+#[test]
 fn coordinates_are_transferred_along_points_and_landmarks() {
     let folder = Folder::new();
     let (source, points) = meshes(&folder);
@@ -336,6 +351,8 @@ fn transfer_refuses_what_does_not_fit() {
     write_coordinates(&folder, &source);
     folder.write("short.txt", "1\n2\n");
     folder.write("outside.txt", "0 0\n1 162\n");
+    folder.write("fork.txt", "0 5\n3 3\n0 5\n0 6\n");
+    folder.write("join.txt", "1 5\n0 5\n");
     folder.write("one.csv", "1,2\n3,4\n");
     folder.write("s.csv", "0\n".repeat(161) + "1\n");
     folder.write("t.csv", "0\n".repeat(162));
@@ -346,6 +363,14 @@ fn transfer_refuses_what_does_not_fit() {
         ("--functions xyz.npy --points short.txt", "short.txt: 2 rows"),
         ("--functions xyz.npy --landmarks outside.txt", "outside.txt: row 1: 162"),
         ("--functions xyz.npy --landmarks short.txt", "short.txt: 1 columns"),
+        (
+            "--functions xyz.npy --landmarks fork.txt",
+            "fork.txt: rows 0 and 3 (from 0): vertex 0 of the source has the partners 5 and 6",
+        ),
+        (
+            "--functions xyz.npy --landmarks join.txt",
+            "join.txt: rows 0 and 1 (from 0): vertex 5 of the target has the partners 1 and 0",
+        ),
         ("--functions one.csv --identity", "one.csv: 2 rows"),
         ("--functions s.mtx --identity", "s.mtx: the matrix must be dense, but is sparse"),
         ("--functions nan.csv --identity", "nan.csv:161: column 2: \"nan\" where a number"),
@@ -651,6 +676,10 @@ fn geodesics_are_traced_from_a_point_in_a_direction() {
         ("--from 1 --trace 0,1,0", "--length"),
         ("--from 1 --length 7 -o e.npy", "--trace"),
         ("--from 1 --trace 0,1,0 --length 7 --to 3", "--to"),
+        (
+            "--from 1 --trace 0,1,0 --length 7 --method edges",
+            "--method edges has no effect on --trace, which goes over faces: it is for -o",
+        ),
         ("--from 1", "--output"),
     ] {
         let run = folder.run(&format!("distance rhombus.obj {line}"));
@@ -756,6 +785,12 @@ fn descriptors_are_tables_with_a_row_for_each_vertex_that_poses_do_not_change() 
     }
     let run = folder.run("descriptors source.ply --kind shot --radius 1e-9 -o zeros.npy");
     assert!(run.stderr.contains(&format!("{n} of {n} rows are 0")), "{}", run.stderr);
+    let rings = "--kind rings --rings 3 --functions xyz.npy -o rings.npy --force";
+    let run = folder.run(&format!("descriptors source.ply {rings} --radius 1e-9"));
+    let note = format!("note: --radius 0.000000001: {n} of {n} rows have rings without vertices");
+    assert!(run.stderr.contains(&note), "{}", run.stderr);
+    let run = folder.run(&format!("descriptors source.ply {rings} --radius 0.9"));
+    assert!(!run.stderr.contains("note: --radius"), "{}", run.stderr);
     folder.succeed("descriptors source.ply --kind wks -k 20 -o w.csv --picture p.png");
     assert_eq!(&std::fs::read(folder.path("p.png")).unwrap()[1..4], b"PNG");
     for (arguments, says) in [

@@ -232,6 +232,20 @@ fn numbers_that_are_none_are_refused_with_what_is_expected() {
 }
 
 #[test]
+fn too_little_memory_is_said_in_the_unit_of_the_option() {
+    let folder = Folder::new();
+    folder.succeed("generate torus 40 20 2 0.8 -o t.ply");
+    let message = folder.fail("spectrum t.ply -k 20 --memory 0.00001");
+    let why = message.strip_prefix("catamaran: t.ply: --memory: must be at least ").unwrap();
+    let least = why.strip_suffix(" GiB\n").unwrap();
+    assert!((0.0001..0.1).contains(&least.parse::<f64>().unwrap()), "{message}");
+    folder.succeed(&format!("spectrum t.ply -k 20 --memory {least}"));
+    let message = folder.fail("spectrum t.ply -k 20 --shift 1 --memory 0.00001");
+    assert!(message.contains("--memory: 10737 bytes are too little for 20 pairs"), "{message}");
+    assert!(message.ends_with("(the unit of the option is GiB, 1073741824 bytes)\n"), "{message}");
+}
+
+#[test]
 fn refusals_say_what_is_wrong_and_write_nothing() {
     let folder = Folder::new();
     folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");

@@ -6,6 +6,9 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
+use catamaran::io::{Output, Overwrite, write_accumulator};
+use catamaran::rows::Accumulator;
+
 use crate::common::{Folder, Run, oracle, table, with_input};
 
 const M: usize = 203;
@@ -260,13 +263,13 @@ fn resuming_what_is_different_says_what() {
     folder.write_npy("w.npy", &[M as u64], &[1.0; M]);
     for (arguments, expected) in [
         ("other.npy", "A was "),
-        ("a.npy --columns 0..10", "A was "),
+        ("a.npy --columns 0..10", "sums: made with other options: --columns 0..10 was not given"),
         ("a.npy --scheme exact", "scheme was auto, and is exact now"),
         ("a.npy --center", "centring was none, and is mean now"),
         ("a.npy --accuracy fast", "accuracy was default, and is fast now"),
         ("a.npy --weights w.npy", "weights was none, and is "),
         ("a.npy --f32", "an accumulator of f64, not of f32"),
-        ("a.npy --block-rows 21", "rows of a block was 20, and is 21 now"),
+        ("a.npy --block-rows 21", "sums: --block-rows: the number of rows of a block was 20, and"),
     ] {
         let rest = if arguments.contains("--block-rows") {
             RESUME.replace("--block-rows 20", "")
@@ -288,6 +291,43 @@ fn resuming_what_is_different_says_what() {
     folder.write_npy("a.npy", &[M as u64, N as u64], &same);
     let message = folder.fail(&format!("ata a.npy {RESUME}"));
     assert!(message.contains("A was ") && message.contains("modified"), "{message}");
+}
+
+#[test]
+fn resuming_with_other_options_of_tables_names_them() {
+    let folder = Folder::new();
+    folder.write("a.csv", "1;2\n3;5\n4;4\n");
+    folder.succeed("ata a.csv --separator semicolon --columns 0,1 --accumulator sums");
+    let resumed = "ata a.csv -o c.npy --checkpoint sums --resume";
+    for (options, how) in [
+        (
+            "--columns 0,1 --skip 1",
+            "--skip 1 was not given, and is now; --separator ';' was given, and is not now",
+        ),
+        ("--columns 1,0 --separator ;", "--columns 0,1 was given, and --columns 1,0 is now"),
+    ] {
+        let message = folder.fail(&format!("{resumed} {options}"));
+        let expected = format!("sums: made with other options: {how}\n");
+        assert!(message.ends_with(&expected), "{options}: {message}");
+    }
+    folder.write("a.csv", "1;2\n3;5\n4;44\n");
+    let message = folder.fail(&format!("{resumed} --columns 0,1 --separator ;"));
+    assert!(message.contains("sums: accumulator: A was ") && message.contains("modified"));
+    assert!(message.len() < 400 && !message.contains("None"), "{message}");
+}
+
+#[test]
+fn checkpoints_of_other_options_stay_when_they_are_refused() {
+    let (folder, _) = with_input(M, N);
+    // Sums of all rows are as good as a checkpoint; those of three processes are chosen.
+    folder.succeed("ata a.npy --reproducible --accumulator sums");
+    fs::copy(folder.path("sums"), folder.path("sums.0-of-3")).unwrap();
+    let resumed = "ata a.npy -o c.npy --reproducible --checkpoint sums --resume";
+    let message = folder.fail(&format!("{resumed} --center"));
+    let why = "sums.0-of-3: accumulator: centring was none, and is mean now";
+    assert!(message.contains(why), "{message}");
+    folder.succeed(resumed);
+    assert_eq!(folder.names(), ["a.npy", "c.npy"]);
 }
 
 #[test]
@@ -431,18 +471,67 @@ fn sums_of_other_columns_do_not_merge() {
     };
     for (files, names) in [
         ("a.sums b.sums", names(0, "y", "x")),
-        ("d.sums a.sums c.sums b.sums", names(0, "y", "x")),
+        ("a.sums c.sums b.sums", names(0, "y", "x")),
         ("x.sums y.sums", names(0, "y", "x")),
-        ("first.sums second.sums", names(0, "1", "0")),
+        ("d.sums a.sums", "they have names, and none there".into()),
+        ("a.sums d.sums", "they have no names, but there".into()),
     ] {
         let refusal = folder.fail(&format!("ata-merge {files} -o m.csv"));
         let path = files.split(' ').next_back().unwrap();
         assert!(refusal.contains(&format!("{path}: sums of other columns than")), "{refusal}");
         assert!(refusal.contains(&names), "{refusal}");
     }
-    // A file without names has those of the others.
-    folder.succeed("ata-merge a.sums c.sums d.sums -o m.npy");
-    assert_eq!(folder.read_npy::<f64>("m.npy", &[2; 2]), [2530.0, 330.0, 330.0, 561.0]);
+    folder.succeed("ata-merge a.sums c.sums -o m.npy");
+    assert_eq!(folder.read_npy::<f64>("m.npy", &[2; 2]), [2505.0, 300.0, 300.0, 525.0]);
+}
+
+#[test]
+fn columns_without_names_are_known_by_their_numbers() {
+    let folder = Folder::new();
+    let rows = [2.0, 1.0, 3.0, 5.0, 7.0, 4.0];
+    folder.write_npy("a.npy", &[2, 3], &rows);
+    folder.write("a.csv", crate::common::csv(&rows, 3));
+    for file in ["a.npy", "a.csv"] {
+        for (sums, columns) in [
+            ("all", ""),
+            ("same", "--columns 0,1,2"),
+            ("turned", "--columns 1,0,2"),
+            ("first", "--columns 0..2"),
+            ("last", "--columns 1..3"),
+        ] {
+            folder.succeed(&format!("ata {file} {columns} --accumulator {sums}.sums --force"));
+        }
+        for (files, number, other) in
+            [("all turned", 1, 0), ("first last", 1, 0), ("turned same", 0, 1)]
+        {
+            let files = files.replace(' ', ".sums ");
+            let refusal = folder.fail(&format!("ata-merge {files}.sums -o m.npy"));
+            let which = format!("is number {number} of its file, and number {other} there");
+            let which = format!("column 0 (counted from 0) {which}");
+            assert!(refusal.contains(&which), "{file} {files}: {refusal}");
+        }
+        folder.succeed("ata-merge all.sums same.sums -o m.npy --force");
+        let twice = oracle(&rows, 3, Some(&[2.0, 2.0]));
+        assert_eq!(folder.read_npy::<f64>("m.npy", &[3; 2]), twice, "{file}");
+        fs::remove_file(folder.path("m.npy")).unwrap();
+    }
+}
+
+#[test]
+fn sums_without_labels_merge_and_the_result_knows_the_columns_of_the_others() {
+    let folder = Folder::new();
+    folder.write("a.csv", "x,y\n1,2\n");
+    folder.write("b.csv", "y,x\n3,4\n");
+    folder.succeed("ata a.csv --accumulator a.sums");
+    folder.succeed("ata b.csv --accumulator b.sums");
+    // As those of other programs are.
+    let sum = Accumulator::<f64>::new(2, false).unwrap();
+    let output = Output::create(&folder.path("old.sums"), Overwrite::Never).unwrap();
+    write_accumulator(output, &sum).unwrap();
+    folder.succeed("ata-merge old.sums a.sums --accumulator merged.sums -o m.npy");
+    assert_eq!(folder.read_npy::<f64>("m.npy", &[2; 2]), [1.0, 2.0, 2.0, 4.0]);
+    let refusal = folder.fail("ata-merge merged.sums b.sums -o n.npy");
+    assert!(refusal.contains("b.sums: sums of other columns than merged.sums"), "{refusal}");
 }
 
 #[test]
@@ -461,6 +550,20 @@ fn rows_that_count_twice_are_noted() {
         let run = folder.run(&format!("ata-merge {files} -o c.npy --force"));
         assert_eq!((run.code, run.stderr.as_str()), (Some(0), note), "{files}");
     }
+    // Merged sums know what they are made of.
+    folder.write("c.csv", "7,8\n");
+    folder.succeed("ata c.csv --accumulator c.sums");
+    folder.succeed("ata-merge a.sums b.sums --accumulator ab.sums");
+    folder.succeed("ata-merge ab.sums c.sums --accumulator abc.sums");
+    for (files, note) in [
+        ("ab.sums a.sums", "a.sums: sums of some of the rows in ab.sums"),
+        ("b.sums abc.sums", "abc.sums: sums of the rows in b.sums"),
+    ] {
+        let run = folder.run(&format!("ata-merge {files} -o c.npy --force"));
+        let note = format!("note: {note}, which count twice\n");
+        assert_eq!((run.code, run.stderr), (Some(0), note), "{files}");
+    }
+    assert_eq!(folder.run("ata-merge ab.sums c.sums -o c.npy --force").stderr, "");
     // Two matrices from the standard input are not the same.
     if cfg!(unix) {
         for (sums, rows) in [("first.sums", "1,2\n"), ("second.sums", "3,4\n")] {

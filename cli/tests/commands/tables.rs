@@ -127,6 +127,55 @@ fn every_command_that_reads_tables_has_the_same_options() {
 }
 
 #[test]
+fn words_of_missing_cells_may_begin_with_a_minus() {
+    let folder = Folder::new();
+    folder.write("a.csv", "x,y\n1,2\n-999,7\n3,5\n9,none\n-1e3,6\n4,4\n");
+    for words in ["-999,none,-1e3", "-1e3,-999,none", "none,-999,-1e3"] {
+        let line = format!("ata a.csv --missing drop --missing-words {words} -o c.npy --force");
+        folder.succeed(&line);
+        assert_eq!(folder.read_npy::<f64>("c.npy", &[2; 2]), C, "{words}");
+    }
+}
+
+#[test]
+fn options_of_text_are_refused_where_no_file_has_text() {
+    let folder = Folder::new();
+    folder.write_npy("a.npy", &[4, 2], &[1.0, 2.0, 3.0, 5.0, 4.0, 4.0, 6.0, 9.0]);
+    folder.write("a.csv", "1,2\n3,5\n4,4\n6,9\n");
+    folder.write("b.csv", "u\n1\n2\n3\n5\n");
+    folder.write("w.csv", "1\n2\n1\n3\n");
+    for (option, name, tables) in [
+        ("--separator tab", "--separator", "text tables"),
+        ("--decimal comma", "--decimal", "text tables"),
+        ("--header", "--header or --no-header", "text tables"),
+        ("--skip 2", "--skip", "text tables"),
+        ("--missing-words -999", "--missing-words", "text tables"),
+        ("--encoding latin1", "--encoding", "text tables"),
+        ("--no-index", "--index or --no-index", "tables"),
+    ] {
+        for command in ["ata a.npy", "pca a.npy", "svd a.npy", "lstsq a.npy --by-column 1"] {
+            let said = folder.fail(&format!("{command} {option}"));
+            let why = format!("a.npy: {name} applies to {tables}, and this file is an array\n");
+            assert!(said.ends_with(&why), "{command} {option}: {said}");
+        }
+    }
+    // They apply to another file.
+    for line in [
+        "lstsq a.npy b.csv --header",
+        "lstsq a.csv a.npy --no-header",
+        "ata a.npy --times b.csv --header",
+        "ata a.npy --weights w.csv --separator comma",
+        "pca a.npy --weights w.csv --missing-words none",
+    ] {
+        folder.succeed(line);
+    }
+    for line in ["ata a.npy --weights w.csv --skip 1", "pca a.npy --weights a.npy --decimal ,"] {
+        let said = folder.fail(line);
+        assert!(said.contains("a.npy: --") && said.contains(" applies to text tables"), "{said}");
+    }
+}
+
+#[test]
 fn rows_of_an_array_are_dropped_only_where_nan_is_a_missing_value() {
     let folder = Folder::new();
     folder.write_npy("a.npy", &[4, 2], &[1.0, 2.0, f64::NAN, 3.0, 4.0, 5.0, 6.0, 9.0]);

@@ -12,16 +12,20 @@ use catamaran::base::{Par, Result, ask, count, reserved, spend};
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Cells {
     of_vertices: Vec<u32>,
+    /// In units of length.
     distances: Vec<f32>,
+    /// The same in this unit, a power of 2, where units of length would not suit single precision.
+    scaled: Option<(f64, Vec<f32>)>,
 }
 
-impl Cells {
-    /// Marks a vertex without a face, which no sample reaches.
-    pub const NONE: u32 = u32::MAX;
+/// Size of a mesh, and inverse of its size, up to which distances in units of length suit single
+/// precision: a factor of 10^18 is left for long paths and for short edges.
+const LARGEST_UNSCALED: f64 = (1u64 << 63) as f64;
 
-    pub(super) fn new(of_vertices: Vec<u32>, distances: Vec<f32>) -> Self {
-        Self { of_vertices, distances }
-    }
+impl Cells {
+    /// Marks a vertex that no sample reaches: one without a face, or in a component without a
+    /// sample.
+    pub const NONE: u32 = u32::MAX;
 
     /// Returns for each vertex of the mesh the number of its cell, from 0, or [`Cells::NONE`].
     /// Among equally near samples, the first one counts.
@@ -30,14 +34,36 @@ impl Cells {
     }
 
     /// Returns for each vertex of the mesh its distance along edges to the sample of its cell, in
-    /// units of length (single precision); infinite for vertices in no cell.
+    /// units of length, in single precision, whose range ends at 3e38 and 1e-38 (that of
+    /// [`Cells::lengths`] does not); infinite for vertices in no cell.
     pub fn distances(&self) -> &[f32] {
         &self.distances
     }
 
-    /// Returns the largest distance of a vertex in a cell; 0 without such a vertex.
-    pub fn radius(&self) -> f32 {
-        self.distances.iter().copied().filter(|d| d.is_finite()).fold(0.0, f32::max)
+    /// Returns the [`Cells::distances`] of a mesh of any size, each with a relative error of about
+    /// 1e-7, as they are sums in single precision relative to the size of the mesh.
+    ///
+    /// ```
+    /// use catamaran_geometry::{decimate::FarthestPoints, mesh::TriMesh};
+    ///
+    /// let corners = vec![[0.0; 3], [3e-50, 0.0, 0.0], [0.0, 4e-50, 0.0]];
+    /// let mesh = TriMesh::new(corners, vec![[0, 1, 2]])?;
+    /// let lengths = FarthestPoints::new(&mesh, Some(0))?.cells().lengths();
+    /// assert!((lengths[2] / 4e-50 - 1.0).abs() < 1e-6);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    pub fn lengths(&self) -> Vec<f64> {
+        let (unit, distances) = match &self.scaled {
+            Some((unit, distances)) => (*unit, distances),
+            None => (1.0, &self.distances),
+        };
+        distances.iter().map(|&distance| unit * f64::from(distance)).collect()
+    }
+
+    /// Returns the largest of the [`Cells::lengths`] of vertices in a cell; 0 without such a
+    /// vertex.
+    pub fn radius(&self) -> f64 {
+        self.lengths().into_iter().filter(|length| length.is_finite()).fold(0.0, f64::max)
     }
 
     /// Returns the same cells for other vertices: vertex v is the former vertex `old[v]`, if that
@@ -45,10 +71,14 @@ impl Cells {
     pub(super) fn seen_from(&self, old: &[u32]) -> Self {
         let at = |&v: &u32| v as usize;
         let known = |v: usize| self.of_vertices.get(v).copied().unwrap_or(Self::NONE);
-        let far = |v: usize| self.distances.get(v).copied().unwrap_or(f32::INFINITY);
+        let seen = |distances: &[f32]| -> Vec<f32> {
+            let far = |v: usize| distances.get(v).copied().unwrap_or(f32::INFINITY);
+            old.iter().map(at).map(far).collect()
+        };
         Self {
             of_vertices: old.iter().map(at).map(known).collect(),
-            distances: old.iter().map(at).map(far).collect(),
+            distances: seen(&self.distances),
+            scaled: self.scaled.as_ref().map(|(unit, distances)| (*unit, seen(distances))),
         }
     }
 }
@@ -220,7 +250,16 @@ impl Growth {
     /// [`Surface::scale`].
     pub fn cells(&self, scale: f64) -> Cells {
         let vertices = 0..self.state.len() as u32;
-        let length = |v: u32| (f64::from(self.distance(v)) * scale) as f32;
-        Cells::new(vertices.clone().map(|v| self.cell(v)).collect(), vertices.map(length).collect())
+        let lengths = |scale: f64| -> Vec<f32> {
+            let length = |v: u32| (f64::from(self.distance(v)) * scale) as f32;
+            vertices.clone().map(length).collect()
+        };
+        let is_usual = (1.0 / LARGEST_UNSCALED..=LARGEST_UNSCALED).contains(&scale);
+        let unit = 2f64.powi(scale.log2().floor() as i32);
+        Cells {
+            of_vertices: vertices.clone().map(|v| self.cell(v)).collect(),
+            distances: lengths(scale),
+            scaled: (!is_usual).then(|| (unit, lengths(scale / unit))),
+        }
     }
 }

@@ -1,9 +1,11 @@
 //! Distances between two meshes (thesis, equation 5.8).
 
+use std::borrow::Cow;
+
 use rstar::RTree;
 
 use super::bound::bound;
-use crate::mesh::vector::Vector;
+use crate::mesh::vector::{Vector, distance, middle, sub};
 use crate::mesh::{TriMesh, Triangles, squares};
 use catamaran::base::{Error, Par, Result};
 
@@ -47,7 +49,8 @@ impl Difference {
     /// [`Error::Mesh`] when one of them has no face, and that of [`TriMesh::check_size`];
     /// [`Error::Cancelled`].
     pub fn between(first: &TriMesh, second: &TriMesh, par: Par) -> Result<Self> {
-        let [first, second] = [Measured::new(first)?, Measured::new(second)?];
+        let first = Measured::new(first)?;
+        let second = first.beside(second)?;
         let squared = first.squares(&second, par);
         let hausdorff = largest(&squared);
         let points = |mesh: &Measured<'_>| RTree::bulk_load(mesh.points());
@@ -61,9 +64,16 @@ impl Difference {
     }
 }
 
+/// Distance of a box from the origin, relative to its diagonal, from which on positions lose digits
+/// that distances need.
+const FAR: f64 = 1024.0;
+
 /// A mesh of which distances are measured.
 pub(super) struct Measured<'m> {
-    mesh: &'m TriMesh,
+    /// The mesh, moved to the origin if it is far away.
+    mesh: Cow<'m, TriMesh>,
+    /// The point that is moved to the origin.
+    origin: Vector,
     faces: Triangles,
     /// Whether each vertex has a face.
     used: Vec<bool>,
@@ -75,11 +85,32 @@ impl<'m> Measured<'m> {
     /// # Errors
     /// [`Error::Mesh`] when it has no face, and that of [`TriMesh::check_size`].
     pub fn new(mesh: &'m TriMesh) -> Result<Self> {
+        let [low, high] = mesh.bounding_box().unwrap_or_default();
+        let (centre, far) = (middle(low, high), FAR * distance(low, high));
+        // Subtracting a coordinate of the same size is exact.
+        Self::moved(mesh, centre.map(|x| if x.abs() > far { x } else { 0.0 }))
+    }
+
+    /// Prepares another mesh, moved as this one.
+    ///
+    /// # Errors
+    /// As [`Measured::new`].
+    pub fn beside<'n>(&self, mesh: &'n TriMesh) -> Result<Measured<'n>> {
+        Measured::moved(mesh, self.origin)
+    }
+
+    fn moved(mesh: &'m TriMesh, origin: Vector) -> Result<Self> {
         mesh.check_size()?;
         if mesh.faces().is_empty() {
             return Err(Error::Mesh { what: "has no face".into(), element: "mesh".into() });
         }
-        Ok(Self { mesh, faces: Triangles::of(mesh), used: mesh.referenced() })
+        let mesh = if origin == [0.0; 3] {
+            Cow::Borrowed(mesh)
+        } else {
+            let vertices = mesh.vertices().iter().map(|&p| sub(p, origin)).collect();
+            Cow::Owned(TriMesh::new(vertices, mesh.faces().to_vec())?)
+        };
+        Ok(Self { faces: Triangles::of(&mesh), used: mesh.referenced(), mesh, origin })
     }
 
     /// Returns the squares of the distances of the vertices of either mesh from the surface of the
@@ -98,8 +129,8 @@ impl<'m> Measured<'m> {
     /// [`Error::Cancelled`].
     pub fn bound(&self, other: &Self, [out, back]: &[Vec<f64>; 2], par: Par) -> Result<f64> {
         let known = most(out).max(most(back)).sqrt();
-        let [of_self, known] = bound(self.mesh, &other.faces, out, known, par)?;
-        let [of_other, _] = bound(other.mesh, &self.faces, back, known, par)?;
+        let [of_self, known] = bound(&self.mesh, &other.faces, out, known, par)?;
+        let [of_other, _] = bound(&other.mesh, &self.faces, back, known, par)?;
         Ok(of_self.max(of_other))
     }
 

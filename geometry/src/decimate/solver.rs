@@ -333,8 +333,8 @@ impl<'m, 'o> Decimator<'m, 'o> {
                     count => format!(" and {count} locked vertices"),
                 };
                 let why = format!(
-                    "{n}, but the topology ({topology}){locked} could not be kept with fewer than \
-                     {left} vertices"
+                    "{n}, but the topology ({topology}){locked} could not be kept: collapses of \
+                     edges ended at {left} vertices, which is about how many are needed"
                 );
                 Err(Error::Argument { what: "n", why })
             }

@@ -107,7 +107,7 @@ fn most_vertices(mesh: &TriMesh, error: f64, options: &DecimateOptions<'_>) -> R
 
 /// Returns an upper bound of the distance; where vertices are farther than `error`, their distance.
 fn distance(input: &Measured<'_>, found: &TriMesh, error: f64, par: Par) -> Result<f64> {
-    let found = Measured::new(found)?;
+    let found = input.beside(found)?;
     let squares = input.squares(&found, par);
     let at_vertices = largest(&squares);
     if at_vertices > error {

@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::TriMesh;
 use super::io::MeshFile;
-use super::repair::{Seams, representatives};
+use super::repair::{Seams, inside_out, near_points};
 use super::topology::{Adjacency, Components, Edges, Genus, face_list, genus_of};
 use super::vector::distance;
 
@@ -59,6 +59,10 @@ pub enum Problem {
         /// The faces of the edge.
         faces: [u32; 2],
     },
+    /// A closed component that is inside out, by its lowest face: from outside, all its faces are
+    /// seen clockwise. Where it lies in an odd number of other closed components, it bounds a
+    /// cavity, and its outside is within.
+    InsideOut(u32),
     /// A vertex on the boundary that belongs together with another one there, as in a soup of
     /// triangles: they are in one place along a seam, where exactly two boundary edges coincide, or
     /// nearly in one place, at less than a thousandth of the lengths of their edges.
@@ -90,6 +94,7 @@ impl Problem {
             Self::RepeatedFace { .. } => "repeated faces",
             Self::ZeroArea(_) => "faces without area",
             Self::Inconsistent { .. } => "edges whose faces run the same way",
+            Self::InsideOut(_) => "closed components that are inside out",
             Self::CoincidentVertex { .. } => "boundary vertices that coincide with others",
             Self::LooseFace(_) => "faces that share no edge with others",
             Self::NotOrientable { .. } => "not orientable",
@@ -123,6 +128,7 @@ impl fmt::Display for Problem {
             Self::Inconsistent { ends: [a, b], faces: [s, t] } => {
                 write!(f, "edge {a}-{b} of faces {s} and {t}")
             }
+            Self::InsideOut(face) => write!(f, "that of face {face}"),
             Self::CoincidentVertex { vertex, first } => {
                 write!(f, "vertex {vertex} as vertex {first}")
             }
@@ -270,6 +276,7 @@ impl TriMesh {
             let ends = edges.ends()[e as usize];
             Some(Problem::Inconsistent { ends, faces: [a / 3, b / 3] })
         }));
+        problems.extend(inside_out(self, &edges).into_iter().map(Problem::InsideOut));
         let seams = Seams::of(self);
         let coincident = self.coincident_vertices(&edges, &seams);
         let loose = self.loose_faces(&edges, &seams, &coincident);
@@ -307,12 +314,10 @@ impl TriMesh {
         found
     }
 
-    /// Returns the vertices on the boundary whose distance from another vertex there is at most
-    /// `NEAR` times the shortest edge of both, but not 0: the same place may be that of a cut. Each
-    /// is compared with one earlier vertex only, its representative.
+    /// Returns the vertices on the boundary that are near an earlier one there, measured by the
+    /// shortest edge of each of the two ([`near_points`]), but not in its place: the same place may
+    /// be that of a cut. Vertices that an edge joins are not near each other.
     fn near_vertices(&self, edges: &Edges) -> Vec<[u32; 2]> {
-        /// Share of the length of an edge.
-        const NEAR: f64 = 1e-3;
         let place = |v: u32| self.vertices()[v as usize];
         let mut shortest = vec![f64::INFINITY; self.vertices().len()];
         for &[a, b] in edges.ends() {
@@ -325,20 +330,10 @@ impl TriMesh {
             edges.boundary().flat_map(|e| edges.ends()[e as usize]).collect();
         boundary.sort_unstable();
         boundary.dedup();
-        let of_boundary = boundary.iter().map(|&v| shortest[v as usize]);
-        let tolerance = NEAR * of_boundary.fold(0.0, f64::max);
         let points: Vec<_> = boundary.iter().map(|&v| place(v)).collect();
-        // Lengths out of range leave nothing to compare with.
-        let first = representatives(&points, tolerance).unwrap_or_default();
-        let pairs = (0..).zip(first).filter(|(i, first)| i != first);
-        let pairs = pairs.map(|(i, first)| [i, first].map(|i: u32| boundary[i as usize]));
-        pairs
-            .filter(|&[a, b]| {
-                let apart = distance(place(a), place(b));
-                let scale = shortest[a as usize].min(shortest[b as usize]);
-                apart > 0.0 && apart <= NEAR * scale
-            })
-            .collect()
+        let lengths: Vec<_> = boundary.iter().map(|&v| shortest[v as usize]).collect();
+        let pairs = near_points(&points, &lengths).into_iter();
+        pairs.map(|pair| pair.map(|i| boundary[i as usize])).collect()
     }
 
     /// Returns the faces that share no edge with another face, and have no vertex of `coincident`,

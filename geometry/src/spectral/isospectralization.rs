@@ -168,9 +168,8 @@ impl<'a> Wanted<'a> {
         let mesh = TriMesh::new(vertices, self.faces.to_vec())?;
         let options = LaplacianOptions::new().boundary(self.boundary.clone()).par(self.par);
         let laplacian = laplacian(&mesh, &options)?;
-        let (k, rows) = (self.eigenvalues.len(), laplacian.kept.len());
-        if k > rows - self.zeros {
-            let most = rows - self.zeros;
+        let (k, most) = (self.eigenvalues.len(), laplacian.kept.len() - self.zeros);
+        if k > most {
             let why = format!("must be at most the {most} that the template has, are {k}");
             return Err(Error::Argument { what: "eigenvalues", why });
         }

@@ -170,10 +170,10 @@ pub fn cloud_spectrum(points: &[[f64; 3]], k: usize, options: &CloudOptions) -> 
     Ok(values)
 }
 
-/// The rows of an operator with zeros on the boundary.
+/// What errors call the rows of an operator with zeros on the boundary.
 const INNER: &str = "inner vertices";
 
-/// Computes the k smallest eigenvalues of an operator, whose rows are these.
+/// Computes the k smallest eigenvalues of an operator. `rows` is what errors call its rows.
 fn eigenvalues(
     operator: &Laplacian,
     k: usize,

@@ -523,6 +523,28 @@ fn primitives_that_are_no_triangles_are_counted() {
 }
 
 #[test]
+fn triangles_with_a_vertex_twice_are_at_the_primitive_that_has_them() {
+    let primitives = r#""meshes": [{"primitives": [
+        {"attributes": {"POSITION": 2, "COLOR_0": 3}},
+        {"attributes": {"POSITION": 4, "COLOR_0": 5}}]}]"#;
+    let corners = |x: f32| [x, 0.0, 0.0, x, 0.0, 0.0, x + 1.0, 0.0, 0.0];
+    let (red, green) = ([1.0f32, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 1.0]);
+    // Two corners of the first primitive are in one place, but of different colours.
+    let (different, same) = ([red, green, red], [red; 3]);
+    let accessors: [(&str, &[f32]); 4] = [
+        ("VEC3", &corners(0.0)),
+        ("VEC4", different.as_flattened()),
+        ("VEC3", &corners(5.0)),
+        ("VEC4", same.as_flattened()),
+    ];
+    let file = read_bytes(&with_floats(primitives, &accessors), GLB).unwrap();
+    assert_eq!((file.mesh.faces(), file.collapsed_faces), (&[[0, 1, 2]][..], 1));
+    assert_eq!(file.first_collapsed, "mesh 0, primitive 1");
+    let said = note(&file, "left out triangles that have a vertex twice");
+    assert!(said.ends_with(": 1, the first at mesh 0, primitive 1"), "{said}");
+}
+
+#[test]
 fn numbers_of_vertices_that_are_not_whole_are_refused() {
     let whole = SQUARE.replace(
         r#""componentType": 5121, "type": "SCALAR", "count": 6"#,

@@ -76,7 +76,8 @@ fn wide_ply(kind: &str) -> Vec<u8> {
 #[test]
 fn ply_has_the_types_of_numpy() {
     for kind in ["int64", "uint64", "<i8"] {
-        assert!(whole(&wide_ply(kind), PLY).notes.is_empty());
+        let said = "left out properties of vertices: 1, the first at \"label\"";
+        assert_eq!(whole(&wide_ply(kind), PLY).notes, [said]);
     }
     let text = changed(&text_of(PLY), "uchar int vertex", "bool int64 vertex");
     whole(text.as_bytes(), PLY);
@@ -140,8 +141,55 @@ fn elements_of_ply_with_vertices_that_are_no_faces_are_noted() {
                 property float z\nelement range_grid 2\nproperty list uchar int vertex_indices\n\
                 element camera 1\nproperty float angle\nend_header\n0 0 0\n1 0\n0\n0.5\n";
     let notes = read_bytes(text.as_bytes(), PLY).unwrap().notes;
-    let said = "left out elements of vertices that are no faces: 2, the first at range_grid";
-    assert_eq!(notes, [said]);
+    let said = [
+        "left out elements of vertices that are no faces: 2, the first at range_grid",
+        "left out elements that are no part of a mesh: 1, the first at camera",
+    ];
+    assert_eq!(notes, said);
+}
+
+#[test]
+fn what_ply_has_beside_the_mesh_is_noted() {
+    let text = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+                property float z\nproperty float nx\nproperty float quality\nelement face 2\n\
+                property uchar red\nproperty uchar green\nproperty uchar blue\n\
+                property uchar alpha\nproperty list uchar int vertex_indices\n\
+                property list uchar int flags\nelement edge 2\nproperty int vertex1\n\
+                property int vertex2\nelement none 0\nproperty int a\nend_header\n\
+                0 0 0 1 2\n1 0 0 1 2\n0 1 0 1 2\n\
+                9 9 9 9 3 0 1 2 1 7\n9 9 9 9 3 2 1 0 0\n0 1\n1 2\n";
+    let file = read_bytes(text.as_bytes(), PLY).unwrap();
+    assert_eq!(file.mesh.faces(), [[0, 1, 2], [2, 1, 0]]);
+    let said = [
+        "left out properties of vertices: 2, the first at \"nx\"",
+        "left out colours of faces: 2, the first at face 0",
+        "left out properties of faces: 1, the first at \"flags\"",
+        "left out elements that are no part of a mesh: 2, the first at edge",
+    ];
+    assert_eq!(file.notes, said);
+}
+
+#[test]
+fn statements_of_obj_about_appearance_are_noted() {
+    let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    let text = format!("{triangle}s off\nf 1 2 3\ns 1\nusemap m\nf 1 3 2\ns 0\ns\ns 2\nlod 3\n");
+    let file = read_bytes(text.as_bytes(), OBJ).unwrap();
+    let said = [
+        "left out smoothing groups: statements: 2, the first at line 6",
+        "left out statements about the appearance of triangles: 2, the first at line 7 \
+         (\"usemap\")",
+    ];
+    assert_eq!(file.notes, said);
+    let off = read_bytes(format!("{triangle}s off\nf 1 2 3\n").as_bytes(), OBJ).unwrap();
+    assert!(off.notes.is_empty(), "{:?}", off.notes);
+}
+
+#[test]
+fn an_error_about_a_vertex_that_is_not_there_names_the_statement_that_may_be_it() {
+    let text = b"v 0 0 0\nv1 0 0\nv 0 1 0\nf 1 2 3\n";
+    let said =
+        "vertex 3 is out of range: the file has 2; \"v1\" in line 2 is not a statement of OBJ";
+    assert_eq!(refusal(text, OBJ), (Some(4), said.into()));
 }
 
 #[test]

@@ -345,6 +345,37 @@ fn a_moebius_strip_can_not_be_oriented() {
 }
 
 #[test]
+fn vertices_beside_a_seam_that_is_not_welded_are_found_beside_much_larger_triangles() {
+    const SIZE: f64 = 4e-3;
+    // Two squares with edges of 0.001 side by side, far below a square with edges of 8.
+    let squares = |gap: f64| {
+        let (mut vertices, mut faces) = (Vec::<[f64; 3]>::new(), Vec::<[u32; 3]>::new());
+        for (cells, size, corner) in
+            [(1, 8.0, [0.0, 0.0, 1.0]), (4, SIZE, [0.0; 3]), (4, SIZE, [SIZE + gap, 0.0, 0.0])]
+        {
+            let square = families::grid(cells, cells).unwrap();
+            let first = vertices.len() as u32;
+            let place = |p: &[f64; 3]| std::array::from_fn(|k| corner[k] + size * p[k]);
+            vertices.extend(square.vertices().iter().map(place));
+            faces.extend(square.faces().iter().map(|face| face.map(|v| v + first)));
+        }
+        TriMesh::new(vertices, faces).unwrap()
+    };
+    let mesh = squares(1e-7);
+    let is_at = |v: &u32, x: f64| (mesh.vertices()[*v as usize][0] - x).abs() < 1e-12;
+    let side = |vertices: std::ops::Range<u32>, x: f64| vertices.filter(move |v| is_at(v, x));
+    // 4 vertices of the large square, then 25 of each small one.
+    let expected: Vec<Problem> = side(29..54, SIZE + 1e-7)
+        .zip(side(4..29, SIZE))
+        .map(|(vertex, first)| Problem::CoincidentVertex { vertex, first })
+        .collect();
+    assert_eq!(expected.len(), 5);
+    assert_eq!(mesh.validate().problems, expected);
+    // At more than a thousandth of an edge, squares are apart.
+    assert!(squares(2e-6).validate().problems.is_empty());
+}
+
+#[test]
 fn repeated_and_flat_faces_are_named() {
     let vertices = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.3, 0.0, 0.0]];
     let mesh = TriMesh::new(vertices, vec![[0, 1, 2], [0, 1, 3], [2, 1, 0], [1, 2, 0]]).unwrap();

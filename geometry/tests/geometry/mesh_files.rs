@@ -761,6 +761,37 @@ fn off_is_read_wherever_its_lines_end() {
 }
 
 #[test]
+fn elements_of_off_that_were_taken_for_a_colour_are_quoted_where_some_are_missing() {
+    let square = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
+    let cases = [
+        (
+            format!("OFF\n4 2 0\n{square}3 0 1 2  3 0 2 3 # two\n"),
+            (8, "face 1 of 2; in line 7, \"3 0 2 3\" was taken for the colour of a face"),
+        ),
+        (
+            "OFF\n2 0 0\n0 0 0 1 0 0\n".into(),
+            (
+                4,
+                "vertex 1 of 2 (0 of 3 numbers); in line 3, \"1 0 0\" was taken for the colour of a \
+                 vertex",
+            ),
+        ),
+        // The first line that has a face and more.
+        (
+            format!(
+                "COFF\n4 5 0\n{}3 0 1 2\n3 0 2 3 1\n3 0 1 3 2\n",
+                square.replace('\n', " 1 1 1\n")
+            ),
+            (10, "face 3 of 5; in line 8, \"1\" was taken for the colour of a face"),
+        ),
+    ];
+    for (text, (line, what)) in cases {
+        let said = format!("truncated: the file ends before {what}");
+        assert_eq!(refusal(text.as_bytes(), OFF), (Some(line), said));
+    }
+}
+
+#[test]
 fn triangle_strips_of_ply_are_read() {
     let text = "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\n\
                 property float z\nelement tristrips 2\nproperty list int int vertex_indices\n\

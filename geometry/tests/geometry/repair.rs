@@ -4,8 +4,8 @@ use catamaran::Error;
 use catamaran::base::Rng;
 use catamaran_geometry::mesh::io::{Attribute, MeshFile};
 use catamaran_geometry::mesh::{
-    Edges, Genus, RepairOptions, RepairStep, Repaired, TriMesh, Weld, families, needs_repair,
-    repair,
+    Edges, Genus, Problem, RepairOptions, RepairStep, Repaired, TriMesh, Weld, families,
+    needs_repair, repair,
 };
 
 fn closed() -> Vec<(&'static str, TriMesh)> {
@@ -459,6 +459,63 @@ fn faces_are_oriented_outward_and_cavities_inward() {
     let found = repaired(nested, RepairOptions::new().orient(true));
     let expected = sphere.volume().unwrap() * (1.0 - 0.125 + 0.125 * 0.125);
     assert!((found.file.mesh.volume().unwrap() - expected).abs() < 1e-12);
+}
+
+#[test]
+fn a_component_is_inside_out_where_all_its_faces_are_to_be_flipped() {
+    let sphere = families::icosphere(1).unwrap();
+    let count = sphere.faces().len();
+    // Four shells within one another, each turned or not.
+    let nested = both(&sphere, &both(&sphere, &both(&sphere, &sphere, 0.5), 0.5), 0.5);
+    for turned in 0..16 {
+        let is_turned = |shell: usize| turned >> shell & 1 == 1;
+        let mesh = flipped(&nested, |f| is_turned(f / count));
+        let expected: Vec<Problem> = (0..4)
+            .filter(|&shell| is_turned(shell) != (shell % 2 == 1))
+            .map(|shell| Problem::InsideOut((shell * count) as u32))
+            .collect();
+        assert_eq!(mesh.validate().problems, expected, "{turned:b}");
+        let found = repaired(mesh, RepairOptions::new().orient(true));
+        let [RepairStep::Oriented { faces, .. }] = found.report.steps[..] else { panic!() };
+        assert_eq!(faces, count * expected.len(), "{turned:b}");
+        assert!(found.file.mesh.validate().problems.is_empty(), "{turned:b}");
+    }
+    // One inside of a ring of the torus, and one in the hole.
+    let torus = families::torus(24, 12, 2.0, 0.5).unwrap();
+    for (x, expected) in [(2.0, vec![Problem::InsideOut(576)]), (0.0, vec![])] {
+        let (mut points, mut faces) = torus.clone().into_parts();
+        let first = points.len() as u32;
+        points.extend(sphere.vertices().iter().map(|p| [x + 0.1 * p[0], 0.1 * p[1], 0.1 * p[2]]));
+        faces.extend(sphere.faces().iter().map(|face| face.map(|v| first + v)));
+        assert_eq!(mesh(&points, &faces).validate().problems, expected, "{x}");
+    }
+}
+
+#[test]
+fn open_surfaces_and_sheets_without_a_volume_are_not_inside_out() {
+    let disk = families::disk(4, 9).unwrap();
+    assert!(flipped(&disk, |_| true).validate().problems.is_empty());
+    // Two copies of a disk, joined at their boundary, in a plane that rounds the coordinates.
+    let place = |p: &[f64; 3]| [0.3 * p[0] + 0.7 * p[1], 0.1 * p[0] - p[1], 0.9 * p[0] + 1e3];
+    let mut points: Vec<[f64; 3]> = disk.vertices().iter().map(place).collect();
+    let mut faces = disk.faces().to_vec();
+    let edges = Edges::new(&disk);
+    let on_boundary: Vec<u32> = edges.boundary().flat_map(|e| edges.ends()[e as usize]).collect();
+    let mut below: Vec<u32> = (0..points.len() as u32).collect();
+    for v in 0..disk.vertices().len() {
+        if !on_boundary.contains(&(v as u32)) {
+            below[v] = points.len() as u32;
+            points.push(points[v]);
+        }
+    }
+    faces.extend(disk.faces().iter().map(|&[a, b, c]| [b, a, c].map(|v| below[v as usize])));
+    let lens = mesh(&points, &faces);
+    assert!(lens.validate().is_closed());
+    for mesh in [flipped(&lens, |_| true), lens] {
+        assert!(mesh.validate().problems.is_empty(), "{}", mesh.validate());
+        let found = repaired(mesh.clone(), RepairOptions::new().orient(true));
+        assert_eq!(found.file.mesh, mesh);
+    }
 }
 
 #[test]

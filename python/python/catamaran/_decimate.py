@@ -176,7 +176,8 @@ def decimate(
     )
     if lost:
         warn_caller(
-            f"{lost} edges between locked vertices are longer than those of the result, and split"
+            f"{lost} edges between locked vertices are longer than those of the result, and not in "
+            "it"
         )
     return Decimated(v, f, Origin(face, inside), to_scipy(weights))
 

@@ -484,6 +484,8 @@ class Accumulator(_catamaran.Accumulator):
         if bounds is not None:
             lower, upper, rows = bounds
             declared = (lower, upper, rows, largest_weight)
+        elif largest_weight is not None:
+            raise ValueError("largest_weight: applies to sums with bounds")
         scalar = np.dtype(dtype).name
         return super().__new__(cls, columns, center, scalar, kind, declared)
 

@@ -26,6 +26,12 @@ pub fn big_endian(bytes: &[u8]) -> Option<i128> {
     is_whole.then_some(value)
 }
 
+/// Returns the integer as [`big_endian`] does, of bytes of which the lowest is the first.
+pub fn little_endian<const N: usize>(mut bytes: [u8; N]) -> Option<i128> {
+    bytes.reverse();
+    big_endian(&bytes)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -49,5 +55,6 @@ mod tests {
         let mut beyond = [0; 17];
         beyond[1] = 0x80;
         assert_eq!([[1; 17], beyond].map(|bytes| big_endian(&bytes)), [None; 2]);
+        assert_eq!([little_endian([0x85, 0xff]), little_endian([0, 1])], [Some(-123), Some(256)]);
     }
 }

@@ -153,9 +153,8 @@ impl ColumnarFile {
     pub fn identity(&self) -> String {
         let (path, columns, stamp) = (canonical(&self.path), &self.columns, self.stamp);
         let (m, n, format) = (self.nrows(), self.ncols(), self.reading.format);
-        let TableOptions { missing, index, words, factors, .. } = &self.options;
-        let options = format!("{missing:?}, {index:?}, {words:?}, {factors:?}");
-        format!("{}, {m} x {n} of {format:?}, {columns:?}, {options}, {stamp}", path.display())
+        let options = self.options.identity();
+        format!("{}, {m} x {n} of {format:?}, {columns}{options}, {stamp}", path.display())
     }
 
     /// Reads all rows.

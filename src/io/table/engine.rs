@@ -63,7 +63,12 @@ pub(super) fn begin<R: Read>(
             _ => decide(text.path(), &held[..whole], is_last, options, columns)?,
         };
         match found {
-            Some(Decided { layout, reading, start }) => {
+            Some(Decided { layout, mut reading, first, start }) => {
+                if !layout.has_header {
+                    let mut piece = Piece::new(&layout);
+                    piece.read(&layout, &held[first..start], true, true);
+                    reading.has_commented_rows = piece.has_commented_row;
+                }
                 let line_end = layout.syntax.line_end;
                 let lines = memchr::memchr_iter(line_end, &held[..start]).count();
                 text.take(start, lines);

@@ -114,7 +114,7 @@ impl TextFile {
         factors.sort(&mut [], engine.layout.ncols.max(1));
         factors.give_levels(&mut reading);
         reading.dropped_rows = dropped;
-        reading.has_commented_rows = engine.has_commented_rows;
+        reading.has_commented_rows |= engine.has_commented_rows;
         reading.rounded = engine.rounded.take();
         Ok(Some(Self {
             path: path.into(),
@@ -177,12 +177,8 @@ impl TextFile {
     /// [`RowFile::identity`](crate::io::RowFile::identity).
     pub fn identity(&self) -> String {
         let (path, columns, stamp) = (canonical(&self.path), &self.columns, self.stamp);
-        let (m, n, options) = (
-            self.nrows,
-            self.layout.ncols,
-            TableOptions { par: crate::Par::Seq, ..self.options.clone() },
-        );
-        format!("{}, {m} x {n}, {columns:?}, {options:?}, {stamp}", path.display())
+        let (m, n, options) = (self.nrows, self.layout.ncols, self.options.identity());
+        format!("{}, {m} x {n}, {columns}{options}, {stamp}", path.display())
     }
 
     /// Goes to a row.

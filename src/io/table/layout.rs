@@ -12,7 +12,7 @@ use super::options::{Missing, Separator, TableOptions, Words};
 use super::reading::{ColumnKind, TableColumn, TableReading};
 use super::sample::{Cell, SampleRow};
 use super::splitter::{Between, Syntax};
-use super::syntax::{announced, find, line_end, width};
+use super::syntax::{announced, find, line_end, may_hold_all, width};
 use crate::base::Result;
 use crate::io::columns::Columns;
 use crate::io::names::FileFormat;
@@ -20,6 +20,9 @@ use crate::io::source::error;
 
 /// The least records that are looked at, if there are more.
 const LEAST_ROWS: usize = 4;
+
+/// Bytes that are looked at for the end of a header whose names have ends of lines.
+const LONGEST_HEADER: usize = 1 << 20;
 
 /// Ends of lines, beside the one that a file has.
 const LINE_ENDS: [&str; 4] = ["\r", "\u{85}", "\u{2028}", "\u{2029}"];
@@ -63,6 +66,8 @@ pub(super) struct Layout {
 pub(super) struct Decided {
     pub layout: Layout,
     pub reading: TableReading,
+    /// Bytes before the first record or comment: those of lines that are skipped.
+    pub first: usize,
     /// Bytes before the first record with numbers.
     pub start: usize,
 }
@@ -107,6 +112,10 @@ pub(super) fn decide(
     if !is_last && sample.rows.len() < LEAST_ROWS {
         return Ok(None);
     }
+    let is_open = sample.rows.first().is_some_and(|row| row.quotes % 2 == 1);
+    if !is_last && is_open && text.len() < LONGEST_HEADER && may_hold_all(rest, syntax, line) {
+        return Ok(None);
+    }
     let table = Found { path, options, columns, sample, syntax, missing_words };
     if table.sample.rows.is_empty() {
         return Err(table.no_rows());
@@ -122,6 +131,7 @@ pub(super) fn decide(
         return decide(path, text, is_last, &options, columns);
     }
     let mut decided = table.decide()?;
+    decided.first = start;
     decided.start += start;
     decided.reading.skipped_lines = options.skip;
     if std::str::from_utf8(&text[..utf8_end(text, is_last)]).is_err() {
@@ -229,7 +239,7 @@ impl Found<'_> {
             has_header,
             names,
         };
-        Ok(Decided { layout, reading, start })
+        Ok(Decided { layout, reading, first: 0, start })
     }
 
     /// Returns the number of separators at the end of each row, behind which there is nothing. The

@@ -105,6 +105,43 @@ options! {
 }
 
 impl TableOptions {
+    /// Returns the names and the values, as text, of the options that were given, but for those of
+    /// factors. Public for the command line.
+    #[doc(hidden)]
+    pub fn given(&self) -> Vec<(&'static str, String)> {
+        let text = |c: char| format!("{c:?}");
+        let flag = |flag: Option<bool>| flag.map(|flag| flag.to_string());
+        let separator = self.separator.map(|separator| match separator {
+            Separator::Char(c) => text(c),
+            Separator::Blanks => text(' '),
+        });
+        let named = |(_, missing): &(&str, Missing)| *missing == self.missing;
+        let missing = Missing::NAMES.into_iter().find(named).map(|(name, _)| name.to_owned());
+        let values = [
+            ("separator", separator),
+            ("decimal", self.decimal.map(text)),
+            ("thousands", self.thousands.map(text)),
+            ("header", flag(self.header)),
+            ("skip", (self.skip > 0).then(|| self.skip.to_string())),
+            ("comment", self.comment.map(text)),
+            ("missing", missing.filter(|_| self.missing != Missing::Error)),
+            ("missing_words", self.missing_words.as_ref().map(|words| words.join(","))),
+            ("index", flag(self.index)),
+            ("encoding", self.encoding.clone()),
+        ];
+        values.into_iter().filter_map(|(name, value)| Some((name, value?))).collect()
+    }
+
+    /// Returns the options that decide which rows are read, each behind a comma, for the identity
+    /// of a file.
+    pub(in crate::io) fn identity(&self) -> String {
+        let given = self.given().into_iter().map(|(name, value)| format!(", {name} {value}"));
+        let words = (self.words == Words::Factor).then(|| ", words as factors".to_owned());
+        let names = self.factors.join(", ");
+        let factors = (!names.is_empty()).then(|| format!(", factors {names}"));
+        given.chain(words).chain(factors).collect()
+    }
+
     /// Checks the characters.
     pub(super) fn check(&self) -> Result<()> {
         let refuse = |what, why: &str| Err(Error::Argument { what, why: why.into() });

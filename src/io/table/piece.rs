@@ -204,7 +204,7 @@ impl Piece {
     fn is_row(&mut self, layout: &Layout, comment: &[u8]) -> bool {
         let text = without_signs(comment, layout.syntax.comment);
         let width = layout.uses.len();
-        if width == 1 || self.splitter.step(text, true, true).0 != Found::Record {
+        if self.splitter.step(text, true, true).0 != Found::Record {
             return false;
         }
         let fits = |(j, used): (usize, &Use)| match used {

@@ -93,6 +93,13 @@ pub(super) fn find(
     }
 }
 
+/// Returns whether the first record of a text that goes on may be longer than the text: for some
+/// separator its quotes hold the ends of all lines.
+pub(super) fn may_hold_all(text: &[u8], syntax: Syntax, line: usize) -> bool {
+    let mut bytes = TRIED.into_iter().filter(|between| *between != Between::Blanks);
+    bytes.any(|between| divide(text, Syntax { between, ..syntax }, false, line).rows.is_empty())
+}
+
 /// Returns a syntax in which a backslash makes a quote one of its field, with its records, if
 /// fields are torn without it and none is with it; else what is given.
 fn with_escapes(

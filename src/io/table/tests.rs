@@ -464,12 +464,45 @@ fn rows_that_are_comments_are_mentioned() {
     let reading = check("id x\n1 2\n# twice\n# or more\n3 5\n4 4\n", &auto(), SMALL, names);
     assert!(reading.is_plain(), "{reading}");
     // Behind the beginning that decides how the table is read.
+    let has_some = |text: &str, options: &ReadOptions<'_>| {
+        content(text, options).unwrap().reading.unwrap().has_commented_rows
+    };
+    // Before the first row, and in tables of one column.
+    let first = "#0.5,2.25\n3,4\n5,7\n6,1\n";
+    for text in [first, "\n# by hand\n# 0.5,2.25\n3,4\n5,7\n6,1\n", "#5\n3\n7\n"] {
+        assert!(has_some(text, &auto()), "{text:?}");
+    }
+    for text in ["x\n#5\n3\n7\n", "x\n3\n# 5\n7\n"] {
+        assert!(has_some(text, &auto()), "{text:?}");
+    }
+    assert!(!has_some(first, &options(TableOptions::new().skip(1))));
+    // Names, words, and what is above the header.
+    for text in ["#a,b\n3,4\n5,7\n", "# by hand\nx\n3\n7\n", "#1,2\na,b\n3,4\n5,6\n"] {
+        assert!(!has_some(text, &auto()), "{text:?}");
+    }
     let mut text = String::from("x,y\n# 1 and 2\n") + &"1,2\n".repeat(20_000);
     assert!(content(&text, &auto()).unwrap().reading.unwrap().is_plain());
     text.push_str("#3,4\n5,6\n");
     assert!(content(&text, &auto()).unwrap().reading.unwrap().has_commented_rows);
     text.push_str("3,4 # c\n");
     refused(&text, &auto(), 20_005, &["\"4 # c\" is not a number", "`comment` = # ends rows"]);
+}
+
+#[test]
+fn names_in_quotes_may_be_longer_than_the_beginning_of_a_file() {
+    let n = 1200;
+    let name = |j: usize| format!("name {j} {}\n(unit)", "x".repeat(45));
+    let names: Vec<String> = (0..n).map(name).collect();
+    let quoted: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
+    for rows in [3, 60] {
+        let mut text = quoted.join(",") + "\n";
+        for i in 0..rows {
+            let row: Vec<String> = (0..n).map(|j| ((7 * j + 3 * i) % 11).to_string()).collect();
+            text += &(row.join(",") + "\n");
+        }
+        let found = content(&text, &auto()).unwrap();
+        assert_eq!((found.matrix.nrows(), &found.names), (rows, &names));
+    }
 }
 
 #[test]
@@ -957,6 +990,16 @@ fn named_columns_of_words_are_factors_and_others_are_left_out() {
     same(&found, &mat![[1.0, 0.0], [2.0, 1.0], [3.0, 0.0]]);
     let said = read(&["u"], "v,u").unwrap_err().to_string();
     assert!(said.contains("column v has words"), "{said}");
+}
+
+#[test]
+fn an_identity_names_the_options_that_were_given() {
+    let folder = Folder::new();
+    let path = folder.file("a.csv", "title\n1;2\n3;4\n");
+    let table = TableOptions::new().separator(Separator::Char(';')).header(false).skip(1);
+    let file = TableFile::open(&path, &options(table).columns(0..1)).unwrap().unwrap();
+    let said = ", 2 x 1, columns 0..1, separator ';', header false, skip 1, ";
+    assert!(file.identity().contains(said), "{}", file.identity());
 }
 
 #[test]

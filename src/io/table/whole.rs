@@ -49,7 +49,7 @@ pub(in crate::io) fn read(
     }
     factors.sort(&mut values, ncols.max(1));
     factors.give_levels(&mut reading);
-    reading.has_commented_rows = engine.has_commented_rows;
+    reading.has_commented_rows |= engine.has_commented_rows;
     reading.rounded = engine.rounded;
     Ok((Dense::new(values, (nrows, ncols), true, 0..ncols), reading))
 }

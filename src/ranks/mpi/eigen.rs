@@ -19,8 +19,7 @@ use super::world::{Operation, World, fact, flag, number_fact};
 use crate::base::{Error, Par, Result};
 use crate::sparse::{
     self, EigenOptions, Eigenpairs, InnerSpace, Mass, Outline, Pencil, Problem, check_problem,
-    is_dense, multiply_by_differences, multiply_magnitudes, one_window, scale_of,
-    without_iteration,
+    is_dense, multiply_by_differences, multiply_magnitudes, one_window, without_iteration,
 };
 
 /// Computes [`sparse::eigs`](crate::sparse::eigs()) of matrices of which every rank has some rows,
@@ -164,11 +163,9 @@ impl SpreadPencil<'_> {
         let (ratios, _) = gather_lists(self.call, &ratios)?;
         let mut matrices = vec![&self.stiffness];
         matrices.extend(self.mass.matrix());
-        Ok(Outline {
-            scale: scale_of(ratios),
-            mean_mass: sum[(0, 0)] / rows.count() as f64,
-            null: null_components(self.call, rows, stiffness, &matrices)?,
-        })
+        let mean_mass = sum[(0, 0)] / rows.count() as f64;
+        let null = null_components(self.call, rows, stiffness, &matrices)?;
+        Ok(Outline::new(ratios, mean_mass, null))
     }
 }
 

@@ -66,6 +66,14 @@ LARGE = {
 }
 
 
+DECIMALS = {
+    "narrow": pa.array([None if i == 3 else Decimal(125 * i - 1000).scaleb(-2) for i in ROWS],
+                       pa.decimal256(20, 2)),
+    "whole": pa.array([2**53 + 1 if i == 4 else -i for i in ROWS], pa.decimal256(38, 0)),
+    "wide": pa.array([Decimal(i) for i in ROWS], pa.decimal256(39, 0)),
+}
+
+
 def write(name, table, **options):
     pq.write_table(table, HERE / f"{name}.parquet", row_group_size=20, **options)
 
@@ -80,6 +88,12 @@ def main():
     large = pa.table(LARGE)
     pq.write_table(large, HERE / "large.parquet", row_group_size=2, compression="none")
     feather.write_feather(large, HERE / "large.arrow", compression="uncompressed", chunksize=2)
+    doubles = pa.table({"f64": KINDS["f64"]})
+    pq.write_table(doubles, HERE / "checked.parquet", compression="none", use_dictionary=False,
+                   write_page_checksum=True)
+    decimals = pa.table(DECIMALS)
+    feather.write_feather(decimals, HERE / "decimals.arrow", compression="uncompressed")
+    pq.write_table(decimals, HERE / "decimals.parquet", compression="none")
     nulls = pa.table({"nothing": pa.nulls(12345)})
     feather.write_feather(nulls, HERE / "nulls.arrow", compression="uncompressed")
     numbers = pa.table({name: KINDS[name] for name in ("f64", "i32")} | {"word": OTHERS["word"]})

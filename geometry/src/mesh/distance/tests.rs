@@ -1,6 +1,6 @@
 use super::*;
 use crate::mesh::vector::{distance, dot};
-use crate::mesh::{LaplacianKind, TriMesh, families, shapes};
+use crate::mesh::{LaplacianKind, Site, TriMesh, families, shapes};
 use catamaran::base::{Error, Par, Rng};
 
 /// Returns the distances from several sources by the Bellman-Ford algorithm.
@@ -222,6 +222,23 @@ fn heat_distances_on_a_sphere_are_arcs() {
         };
         let (mean, largest) = errors(&found, arc);
         assert!(mean < 0.02 && largest < 0.07, "{kind:?}, two sources: {mean} {largest}");
+    }
+}
+
+#[test]
+fn heat_distances_from_several_sources_are_as_exact_as_their_documentation_says() {
+    let several: Vec<u32> = (0..20).map(|i| 37 * i % 800).collect();
+    for (around, tube, bounds) in [(40, 20, [0.05, 0.11, 0.23]), (80, 40, [0.05, 0.07, 0.15])] {
+        let mesh = families::torus(around, tube, 2.0, 0.8).unwrap();
+        let solver = heat(&mesh, LaplacianKind::Tufted);
+        let exact = Geodesics::new(&mesh).unwrap();
+        for (sources, most) in [&[0][..], &[0, 5][..], &several[..]].into_iter().zip(bounds) {
+            let sites: Vec<Site> = sources.iter().map(|&v| v.into()).collect();
+            let distances = exact.distances(&sites).unwrap();
+            let found = solver.distances(sources).unwrap();
+            let (_, largest) = errors(&found, |v| distances[v]);
+            assert!(largest < most, "{around}, from {}: {largest}", sources.len());
+        }
     }
 }
 

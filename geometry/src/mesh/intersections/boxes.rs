@@ -18,7 +18,8 @@ impl Bounds {
         points.iter().fold(Self::EMPTY, |bounds, p| bounds.join(&Self { low: *p, high: *p }))
     }
 
-    fn join(&self, other: &Self) -> Self {
+    /// Returns the box around two boxes.
+    pub fn join(&self, other: &Self) -> Self {
         Self {
             low: std::array::from_fn(|k| self.low[k].min(other.low[k])),
             high: std::array::from_fn(|k| self.high[k].max(other.high[k])),

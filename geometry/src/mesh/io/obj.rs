@@ -20,9 +20,8 @@ const ABSENT: u32 = u32::MAX;
 /// An index that no item has.
 const MISSING: u32 = ABSENT - 1;
 
-/// Statements about the appearance of triangles, which are skipped.
-const LOOKS: [&[u8]; 13] = [
-    b"s",
+/// Statements about the appearance of triangles, which are skipped and counted.
+const LOOKS: [&[u8]; 12] = [
     b"mg",
     b"usemap",
     b"maplib",
@@ -130,7 +129,12 @@ impl Reader {
                     push(&mut self.material_files, name)?;
                 }
             }
-            _ if LOOKS.contains(&keyword) => {}
+            b"s" => self.smoothing(words, number),
+            _ if LOOKS.contains(&keyword) => {
+                let place = || format!("line {number} ({})", quoted(keyword));
+                let what = "left out statements about the appearance of triangles";
+                self.draft.notes.add(what, place);
+            }
             _ if NOT_POLYGONS.contains(&keyword) => {
                 self.draft
                     .notes
@@ -198,6 +202,14 @@ impl Reader {
         Ok(self.draft.push_vertex_or_lose(position, Some(line))?)
     }
 
+    /// Notes a smoothing group; 0 and off end one.
+    fn smoothing<'a>(&mut self, mut words: impl Iterator<Item = &'a [u8]>, line: usize) {
+        if !matches!(words.next(), None | Some(b"0" | b"off")) {
+            let what = "left out smoothing groups: statements";
+            self.draft.notes.add(what, || format!("line {line}"));
+        }
+    }
+
     /// Reads the colours in a comment of ZBrush: a mask, red, green and blue of each vertex, of two
     /// hexadecimal digits each.
     fn polypaint(&mut self, line: &[u8], number: usize) -> Checked<()> {
@@ -251,7 +263,7 @@ impl Reader {
             return Err(source.fail_at(*line, format!("{word} is not a statement of OBJ")));
         }
         let (count, faces) = (self.draft.vertices.len(), self.draft.faces.len());
-        self.vertex_refs.check("vertex", count, source)?;
+        self.vertex_refs.check("vertex", count, source, self.unknown.as_ref())?;
         self.uv.leave_out_missing("texture coordinates", &mut self.draft);
         self.normals.leave_out_missing("normals", &mut self.draft);
         let lost = self.draft.lost()?;
@@ -360,11 +372,22 @@ impl Furthest {
         Ok(index)
     }
 
-    fn check(&self, what: &str, count: usize, source: &Source<'_>) -> Result<()> {
+    /// Checks the largest index. The error names the statement that was not of OBJ: it may be the
+    /// item that is missing.
+    fn check(
+        &self,
+        what: &str,
+        count: usize,
+        source: &Source<'_>,
+        unknown: Option<&(String, usize)>,
+    ) -> Result<()> {
         if self.end <= count {
             return Ok(());
         }
-        let why = format!("{what} {} is out of range: the file has {count}", self.end);
+        let mut why = format!("{what} {} is out of range: the file has {count}", self.end);
+        if let Some((word, line)) = unknown {
+            why += &format!("; {word} in line {line} is not a statement of OBJ");
+        }
         Err(source.fail_at(self.line, why))
     }
 }

@@ -28,11 +28,14 @@ struct Tokens<'s, 'a> {
     /// The last line without its comment, and how many of its bytes are consumed.
     line: Vec<u8>,
     taken: usize,
+    /// The kind of element, vertex or face, for which [`Tokens::guess_color`] was called last, and
+    /// what an error says of the first line with such an element.
+    guess: Option<(&'static str, String)>,
 }
 
 impl<'s, 'a> Tokens<'s, 'a> {
     fn new(source: &'s mut Source<'a>) -> Self {
-        Self { source, line: Vec::new(), taken: 0 }
+        Self { source, line: Vec::new(), taken: 0, guess: None }
     }
 
     fn rest(&self) -> &[u8] {
@@ -55,10 +58,22 @@ impl<'s, 'a> Tokens<'s, 'a> {
         Ok(true)
     }
 
+    /// Records that the rest of the line is taken for the colour of an element although the header
+    /// announces none. The words may be another element, which is then missing at the end of the
+    /// file.
+    fn guess_color(&mut self, element: &'static str) {
+        if self.guess.as_ref().is_none_or(|(last, _)| *last != element) {
+            let (line, rest) = (self.source.line(), quoted(self.rest().trim_ascii()));
+            let text = format!("; in line {line}, {rest} was taken for the colour of a {element}");
+            self.guess = Some((element, text));
+        }
+    }
+
     /// Returns the next word; an error at the end of the file names `what`.
     fn next(&mut self, what: impl Display) -> Checked<&[u8]> {
         if !self.next_line()? {
-            return Err(format!("truncated: the file ends before {what}").into());
+            let guess = self.guess.as_ref().map_or("", |(_, text)| text.as_str());
+            return Err(format!("truncated: the file ends before {what}{guess}").into());
         }
         let (blanks, length) = first_word(self.rest()).unwrap_or_default();
         let start = self.taken + blanks;
@@ -247,6 +262,9 @@ impl Reader {
             3 => 3,
             _ => COLOR,
         };
+        if color > 0 && !self.kind.colors {
+            tokens.guess_color("vertex");
+        }
         let mut rest = [0.0; COLOR + 2];
         for (i, value) in rest.iter_mut().take(color + uv).enumerate() {
             let word = tokens.next(what)?;
@@ -293,6 +311,7 @@ impl Reader {
         let left = tokens.left();
         self.packed |= left > COLOR;
         if left > 0 && !self.packed {
+            tokens.guess_color("face");
             self.draft.notes.add("left out colours of faces", place);
             tokens.taken = tokens.line.len();
         }

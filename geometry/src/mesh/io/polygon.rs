@@ -1,5 +1,7 @@
 //! Cuts polygons into triangles.
 
+use std::collections::HashMap;
+
 use earcut::Earcut;
 
 use super::super::vector::{Vector, cross, dot, sub};
@@ -88,35 +90,44 @@ fn ordered(mut triangle: [usize; 3]) -> [usize; 3] {
 /// Flips edges of triangles without area, as long as the smaller of the two becomes larger, and
 /// returns whether one was flipped. `share` is the share of a triangle in the area of the polygon.
 fn flip_empty(triangles: &mut [[usize; 3]], share: impl Fn([usize; 3]) -> f64) -> bool {
+    // The triangle that has each edge in this direction. An edge that a flip removed stays, and is
+    // replaced where a later flip makes it again.
+    let mut owners: HashMap<[usize; 2], usize> = HashMap::new();
+    for (i, &triangle) in triangles.iter().enumerate() {
+        owners.extend(sides(triangle).map(|side| (side, i)));
+    }
+    let mut waiting: Vec<usize> = (0..triangles.len()).collect();
     let mut is_flipped = false;
-    // Each pass flips at least one edge, of which each triangle without area needs one.
-    for _ in 0..triangles.len() {
-        let mut is_done = true;
-        for i in 0..triangles.len() {
-            let own = triangles[i];
-            if share(own) > TOLERANCE {
-                continue;
-            }
-            // Over each edge ab, with c behind it, and d on the other side.
-            let flips = [0, 1, 2].into_iter().filter_map(|k| {
-                let [a, b, c] = [0, 1, 2].map(|shift| own[(k + shift) % 3]);
-                let other = |j: &usize| *j != i && [a, b].iter().all(|v| triangles[*j].contains(v));
-                let j = (0..triangles.len()).find(other)?;
-                let d = triangles[j].into_iter().find(|&v| v != a && v != b)?;
-                let least = |pair: [[usize; 3]; 2]| share(pair[0]).min(share(pair[1]));
-                let pair = [ordered([a, c, d]), ordered([b, c, d])];
-                (least(pair) > least([own, triangles[j]])).then_some((least(pair), j, pair))
-            });
-            if let Some((_, j, pair)) = flips.max_by(|x, y| x.0.total_cmp(&y.0)) {
-                [triangles[i], triangles[j]] = pair;
-                (is_flipped, is_done) = (true, false);
-            }
+    while let Some(i) = waiting.pop() {
+        let own = triangles[i];
+        if share(own) > TOLERANCE {
+            continue;
         }
-        if is_done {
-            break;
+        // Over each edge ab, with c behind it, and d on the other side.
+        let flips = [0, 1, 2].into_iter().filter_map(|k| {
+            let [a, b, c] = [0, 1, 2].map(|shift| own[(k + shift) % 3]);
+            let &j = owners.get(&[b, a])?;
+            let d = triangles[j].into_iter().find(|&v| v != a && v != b)?;
+            let least = |pair: [[usize; 3]; 2]| share(pair[0]).min(share(pair[1]));
+            let pair = [ordered([a, c, d]), ordered([b, c, d])];
+            (least(pair) > least([own, triangles[j]])).then_some((least(pair), j, pair))
+        });
+        let Some((_, j, pair)) = flips.max_by(|x, y| x.0.total_cmp(&y.0)) else { continue };
+        [triangles[i], triangles[j]] = pair;
+        is_flipped = true;
+        for (number, triangle) in [i, j].into_iter().zip(pair) {
+            owners.extend(sides(triangle).map(|side| (side, number)));
         }
+        // Both triangles, and those beside them, may have a flip now.
+        let around = pair.into_iter().flat_map(sides).map(|[a, b]| [b, a]);
+        waiting.extend(around.filter_map(|side| owners.get(&side)));
     }
     is_flipped
+}
+
+/// Returns the edges of a triangle, in its direction.
+fn sides([a, b, c]: [usize; 3]) -> [[usize; 2]; 3] {
+    [[a, b], [b, c], [c, a]]
 }
 
 #[cfg(test)]
@@ -206,6 +217,29 @@ mod tests {
                     assert!((areas.sum::<f64>() - area).abs() < 1e-12, "{polygon:?} from {start}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn straight_sides_of_thousands_of_corners_make_no_triangle_without_area() {
+        // The time of flips must not grow with the cube of this number, to many minutes.
+        const SIDE: u32 = 4000;
+        fn side(corner: fn(u32) -> [u32; 2]) -> impl Iterator<Item = Vector> {
+            (0..SIDE).map(corner).map(|[x, y]| [f64::from(x), f64::from(y), 0.0])
+        }
+        let square: Vec<Vector> = side(|i| [i, 0])
+            .chain(side(|i| [SIDE, i]))
+            .chain(side(|i| [SIDE - i, SIDE]))
+            .chain(side(|i| [0, SIDE - i]))
+            .collect();
+        for start in [0, SIDE as usize / 3] {
+            let mut corners = square.clone();
+            corners.rotate_left(start);
+            let triangles = not_a_fan(&corners).expect("no fan");
+            assert_eq!(triangles.len(), corners.len() - 2);
+            let areas = triangles.iter().map(|t| doubled_normal(t.map(|i| corners[i]))[2] / 2.0);
+            assert!(areas.clone().all(|area| area >= 0.5), "from {start}");
+            assert_eq!(areas.sum::<f64>(), f64::from(SIDE * SIDE), "from {start}");
         }
     }
 

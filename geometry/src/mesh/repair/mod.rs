@@ -7,6 +7,7 @@
 mod degenerate;
 mod holes;
 mod manifold;
+mod near;
 mod options;
 mod orient;
 mod rebuild;
@@ -21,8 +22,11 @@ pub use report::{RepairReport, RepairStep};
 use super::io::MeshFile;
 use super::{Components, TriMesh};
 use catamaran::base::{Error, Result, at_least};
+pub(super) use near::near_points;
+pub(super) use orient::inside_out;
 use rebuild::Rebuild;
-pub(super) use weld::{Seams, representatives};
+pub(super) use weld::Seams;
+use weld::representatives;
 
 /// A mesh after [`repair()`].
 #[derive(Debug, Clone, PartialEq)]

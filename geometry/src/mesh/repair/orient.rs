@@ -1,10 +1,16 @@
-//! Flips faces so that they agree, and so that closed surfaces bound a volume.
+//! Finds and flips faces so that they agree, and so that closed surfaces bound a volume.
+
+use std::cell::OnceCell;
 
 use super::super::TriMesh;
-use super::super::topology::Edges;
-use super::super::vector::{Vector, cross, dot, doubled_normal, sub};
+use super::super::intersections::{Bounds, BoxTree};
+use super::super::topology::{Adjacency, Edges};
+use super::super::vector::{Vector, cross, dot, doubled_normal, norm, sub};
 use super::rebuild::{Rebuild, corners_of};
 use super::report::RepairStep;
+
+/// Bound of rounding errors, relative to products of the lengths that they come from.
+const ROUND: f64 = 16.0 * f64::EPSILON;
 
 /// Flips faces so that the faces of each group, which is connected over edges of two faces, agree.
 /// Closed groups bound a volume: they are counter-clockwise as seen from outside, or from inside
@@ -12,48 +18,33 @@ use super::report::RepairStep;
 /// are flipped. Returns `None` when there is nothing to flip.
 pub(super) fn outward(mesh: &TriMesh) -> (Option<Rebuild>, RepairStep) {
     let edges = Edges::new(mesh);
-    let mut sides = mesh.sides(&edges);
-    let count = sides.conflicts.len();
-    let mut closed = vec![true; count];
-    for row in edges.corners().rows().filter(|row| row.len() != 2) {
-        row.iter().for_each(|&corner| closed[sides.group[corner as usize / 3] as usize] = false);
-    }
-    let mut members = vec![Vec::new(); count];
-    for (f, &group) in (0..).zip(&sides.group) {
-        members[group as usize].push(f);
-    }
-    let shells: Vec<Shell> = (0..count)
-        .filter(|&g| closed[g] && sides.conflicts[g].is_none())
-        .map(|g| Shell::of(mesh, &members[g]))
-        .collect();
-    let mut shell = shells.iter().enumerate();
-    for g in 0..count {
-        let flipped = members[g].iter().filter(|&&f| sides.flip[f as usize]).count();
-        let turn = if sides.conflicts[g].is_some() {
+    let groups = Groups::of(mesh, &edges);
+    let mut flip = groups.flip.clone();
+    for (g, turn) in groups.turns(mesh).into_iter().enumerate() {
+        let faces = groups.members.row(g).iter().map(|&f| f as usize);
+        match groups.conflicts[g] {
             // A group that is not orientable stays as it is.
-            members[g].iter().for_each(|&f| sides.flip[f as usize] = false);
-            false
-        } else if closed[g] {
-            shell.next().is_some_and(|(own, shell)| {
-                let holders = shells.iter().enumerate().filter(|(i, _)| *i != own);
-                let depth = holders.filter(|(_, other)| other.holds(mesh, shell)).count();
-                let volume = volume(mesh, &members[g], &sides.flip);
-                (volume < 0.0) != (depth % 2 == 1 && volume != 0.0)
-            })
-        } else {
-            2 * flipped > members[g].len()
-        };
-        if turn {
-            members[g].iter().for_each(|&f| sides.flip[f as usize] ^= true);
+            Some(_) => faces.for_each(|f| flip[f] = false),
+            None => faces.for_each(|f| flip[f] ^= turn),
         }
     }
-    let conflict = sides.conflicts.iter().flatten().next();
+    let conflict = groups.conflicts.iter().flatten().next();
     let step = RepairStep::Oriented {
-        faces: sides.flip.iter().filter(|flip| **flip).count(),
-        not_orientable: sides.conflicts.iter().flatten().count(),
+        faces: flip.iter().filter(|flip| **flip).count(),
+        not_orientable: groups.conflicts.iter().flatten().count(),
         edge: conflict.and_then(|&e| edges.ends().get(e as usize).copied()),
     };
-    (step.changed().then(|| flipped(mesh, &sides.flip)), step)
+    (step.changed().then(|| flipped(mesh, &flip)), step)
+}
+
+/// Returns the lowest face of each closed group whose faces agree, and all of which [`outward`]
+/// flips.
+pub(in crate::mesh) fn inside_out(mesh: &TriMesh, edges: &Edges) -> Vec<u32> {
+    let groups = Groups::of(mesh, edges);
+    let agree = |faces: &[u32]| faces.iter().all(|&f| !groups.flip[f as usize]);
+    let turned = groups.members.rows().zip(groups.turns(mesh));
+    let inside_out = turned.filter(|(faces, turn)| *turn && agree(faces));
+    inside_out.filter_map(|(faces, _)| faces.first().copied()).collect()
 }
 
 fn flipped(mesh: &TriMesh, flip: &[bool]) -> Rebuild {
@@ -64,15 +55,74 @@ fn flipped(mesh: &TriMesh, flip: &[bool]) -> Rebuild {
     Rebuild { vertices, faces, corners, insertions: Vec::new(), joined: None }
 }
 
-/// Returns six times the volume inside of these faces, some of them flipped.
+/// The groups of faces that are connected over edges of two faces.
+struct Groups {
+    /// The faces of each group, ascending.
+    members: Adjacency,
+    /// Whether each face must be flipped to agree with the lowest one of its group.
+    flip: Vec<bool>,
+    /// For each group that is not orientable, an edge whose faces disagree.
+    conflicts: Vec<Option<u32>>,
+    /// Whether all edges of each group have two faces.
+    closed: Vec<bool>,
+}
+
+impl Groups {
+    fn of(mesh: &TriMesh, edges: &Edges) -> Self {
+        let sides = mesh.sides(edges);
+        let mut closed = vec![true; sides.conflicts.len()];
+        for row in edges.corners().rows().filter(|row| row.len() != 2) {
+            row.iter()
+                .for_each(|&corner| closed[sides.group[corner as usize / 3] as usize] = false);
+        }
+        let members = Adjacency::from_pairs(closed.len(), || sides.group.iter().copied().zip(0..));
+        Self { members, flip: sides.flip, conflicts: sides.conflicts, closed }
+    }
+
+    /// Returns for each group whether all its faces must be flipped once they agree with the lowest
+    /// one.
+    fn turns(&self, mesh: &TriMesh) -> Vec<bool> {
+        let is_flipped = |f: &&u32| self.flip[**f as usize];
+        let most_flip = |faces: &[u32]| 2 * faces.iter().filter(is_flipped).count() > faces.len();
+        let open = |g: usize| !self.closed[g] && self.conflicts[g].is_none();
+        let rows = self.members.rows().enumerate();
+        let mut turns: Vec<bool> = rows.map(|(g, faces)| open(g) && most_flip(faces)).collect();
+        let shells = self.shells(mesh);
+        let tree = BoxTree::new(shells.len(), |i| Some(shells[i].bounds));
+        for (own, shell) in (0..).zip(&shells) {
+            let mut depth = 0;
+            let corner = Bounds { high: shell.bounds.low, ..shell.bounds };
+            tree.visit(&corner, |i| {
+                depth += u32::from(i != own && shells[i as usize].holds(mesh, shell));
+            });
+            let volume = volume(mesh, shell.faces, &self.flip);
+            turns[shell.group] = (volume < 0.0) != (depth % 2 == 1 && volume != 0.0);
+        }
+        turns
+    }
+
+    /// Returns the closed groups that are orientable.
+    fn shells(&self, mesh: &TriMesh) -> Vec<Shell<'_>> {
+        let rows = self.members.rows().enumerate();
+        rows.filter(|&(g, _)| self.closed[g] && self.conflicts[g].is_none())
+            .filter_map(|(g, faces)| Shell::of(mesh, g, faces))
+            .collect()
+    }
+}
+
+/// Returns six times the volume inside of these faces, some of them flipped; 0 where it is within
+/// rounding errors, as between two sheets in one place.
 fn volume(mesh: &TriMesh, faces: &[u32], flip: &[bool]) -> f64 {
     let tip = faces.first().map_or([0.0; 3], |&f| points(mesh, f)[0]);
-    let cone = |&f: &u32| {
-        let [a, b, c] = points(mesh, f).map(|p| sub(p, tip));
-        let signed = dot(a, cross(b, c));
-        if flip[f as usize] { -signed } else { signed }
-    };
-    faces.iter().map(cone).sum()
+    let (mut sum, mut sizes) = (0.0, 0.0);
+    for &f in faces {
+        let [a, b, c] = points(mesh, f);
+        let [away, u, v] = [sub(a, tip), sub(b, a), sub(c, a)];
+        let cone = dot(away, cross(u, v));
+        sum += if flip[f as usize] { -cone } else { cone };
+        sizes += norm(away) * norm(u) * norm(v);
+    }
+    if sum.abs() > ROUND * sizes { sum } else { 0.0 }
 }
 
 fn points(mesh: &TriMesh, f: u32) -> [Vector; 3] {
@@ -81,29 +131,43 @@ fn points(mesh: &TriMesh, f: u32) -> [Vector; 3] {
 
 /// A closed group of faces.
 struct Shell<'a> {
+    /// Its number.
+    group: usize,
     faces: &'a [u32],
-    low: Vector,
-    high: Vector,
+    bounds: Bounds,
+    /// The boxes of the faces, once another shell may be inside.
+    tree: OnceCell<BoxTree>,
 }
 
 impl<'a> Shell<'a> {
-    fn of(mesh: &TriMesh, faces: &'a [u32]) -> Self {
-        let start = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
-        let [low, high] =
-            faces.iter().flat_map(|&f| points(mesh, f)).fold(start, |[low, high], p| {
-                let over = |k: usize| (low[k].min(p[k]), high[k].max(p[k]));
-                [std::array::from_fn(|k| over(k).0), std::array::from_fn(|k| over(k).1)]
-            });
-        Self { faces, low, high }
+    /// Returns the shell; `None` without a face.
+    fn of(mesh: &TriMesh, group: usize, faces: &'a [u32]) -> Option<Self> {
+        let boxes = faces.iter().map(|&f| Bounds::of(&points(mesh, f)));
+        let bounds = boxes.reduce(|all, one| all.join(&one))?;
+        Some(Self { group, faces, bounds, tree: OnceCell::new() })
     }
 
     /// Returns whether another shell is inside: whether the ray from its first corner along x
     /// crosses an odd number of faces.
     fn holds(&self, mesh: &TriMesh, other: &Shell<'_>) -> bool {
-        let inside = (0..3).all(|k| self.low[k] <= other.low[k] && other.high[k] <= self.high[k]);
+        let (outer, inner) = (&self.bounds, &other.bounds);
+        let inside = (0..3).all(|k| outer.low[k] <= inner.low[k] && inner.high[k] <= outer.high[k]);
         let Some(&first) = other.faces.first().filter(|_| inside) else { return false };
         let p = points(mesh, first)[0];
-        self.faces.iter().filter(|&&f| crosses(points(mesh, f), p)).count() % 2 == 1
+        let face = |i: u32| points(mesh, self.faces[i as usize]);
+        let bounds = |i: usize| Some(Bounds::of(&face(i as u32)));
+        let tree = self.tree.get_or_init(|| BoxTree::new(self.faces.len(), bounds));
+        let mut is_odd = false;
+        tree.visit(&self.line_through(p), |i| is_odd ^= crosses(face(i), p));
+        is_odd
+    }
+
+    /// Returns the box of the line along x through a point inside of the bounds, which is as wide
+    /// as the rounding errors of [`crosses`].
+    fn line_through(&self, p: Vector) -> Bounds {
+        let Bounds { low, high } = self.bounds;
+        let width = ROUND * low[1].abs().max(high[1].abs());
+        Bounds { low: [low[0], p[1] - width, p[2]], high: [high[0], p[1] + width, p[2]] }
     }
 }
 

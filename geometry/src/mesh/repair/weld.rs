@@ -11,7 +11,7 @@ use catamaran::base::{Result, Sets, at_least_zero};
 ///
 /// # Errors
 /// [`Error::Argument`](catamaran::Error::Argument) for a tolerance that is negative or not finite.
-pub(in crate::mesh) fn representatives(points: &[Vector], tolerance: f64) -> Result<Vec<u32>> {
+pub(super) fn representatives(points: &[Vector], tolerance: f64) -> Result<Vec<u32>> {
     at_least_zero("tolerance", tolerance)?;
     Ok(if tolerance > 0.0 { near(points, tolerance) } else { equal(points) })
 }

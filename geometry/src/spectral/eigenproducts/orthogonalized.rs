@@ -5,7 +5,7 @@ use faer::{Mat, MatRef, Scale};
 use super::dictionary::Eigenproducts;
 use crate::spectral::basis::Basis;
 use crate::spectral::eigenbasis::Eigenbasis;
-use catamaran::base::{Par, Progress, Result, check_request, options};
+use catamaran::base::{Error, Par, Progress, Result, check_request, options};
 use catamaran::dense::zeros;
 use catamaran::ortho::{
     GramSchmidtOptions, TriangularFactor, gram_schmidt_in_place, rank_revealing_in_place,
@@ -79,10 +79,10 @@ impl ProductBasis {
     /// memory.
     ///
     /// # Errors
-    /// [`Error::Argument`](catamaran::Error::Argument) when the order is too large, the products do
-    /// not fit into the memory, or the constant is not among the eigenfunctions,
-    /// [`Error::OutOfMemory`](catamaran::Error::OutOfMemory),
-    /// [`Error::Cancelled`](catamaran::Error::Cancelled).
+    /// [`Error::Argument`] when the order is too large, the products do not fit into the memory,
+    /// the constant is not among the eigenfunctions, or the functions that
+    /// [`Orthogonalization::SinglePass`] keeps depend on each other, as they may where there are
+    /// many; [`Error::OutOfMemory`], [`Error::Cancelled`].
     pub fn new(
         eigenbasis: &Eigenbasis,
         order: usize,
@@ -110,7 +110,8 @@ impl ProductBasis {
         };
         matrix.truncate(matrix.nrows(), kept.len());
         let basis = match options.orthogonalization {
-            Orthogonalization::SinglePass => Basis::independent(matrix, mass, options.par)?,
+            Orthogonalization::SinglePass => Basis::independent(matrix, mass, options.par)
+                .map_err(|error| dependent(error, products.len()))?,
             _ => Basis::orthonormal(matrix, mass)?,
         };
         Ok(Self { products, kept, r, basis })
@@ -175,5 +176,19 @@ impl ProductBasis {
     /// Returns `R[.., kept]`, r x r, upper triangular.
     pub(super) fn triangle(&self) -> Mat<f64> {
         Mat::from_fn(self.len(), self.len(), |i, j| self.r[(i, self.kept[j])])
+    }
+}
+
+/// Returns the error about functions of a single pass, of so many products, that depend on each
+/// other.
+fn dependent(error: Error, products: usize) -> Error {
+    match error {
+        Error::Argument { what: "functions", why } => Error::Argument {
+            what: "orthogonalization",
+            why: format!(
+                "a single pass over {products} products leaves dependent functions: {why}"
+            ),
+        },
+        error => error,
     }
 }

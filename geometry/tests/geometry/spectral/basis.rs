@@ -95,6 +95,17 @@ fn a_basis_without_the_constant_has_no_products() {
 }
 
 #[test]
+fn products_of_a_single_pass_that_depend_on_each_other_are_an_error_about_the_method() {
+    // A regular grid has many products that are nearly combinations of others.
+    let eigen = eigenbasis(&families::grid(16, 16).unwrap(), 41);
+    let error = ProductBasis::new(&eigen, 3, &ProductBasisOptions::new()).unwrap_err();
+    assert!(matches!(error, Error::Argument { what: "orthogonalization", .. }), "{error}");
+    let said = error.to_string();
+    assert!(said.contains("a single pass over 12341 products leaves dependent"), "{said}");
+    assert!(products(&eigen, 3, Orthogonalization::RankRevealing).len() <= 289);
+}
+
+#[test]
 fn the_reorthogonalized_basis_is_orthonormal_and_spans_the_products() {
     let eigen = eigenbasis(&blob(2), 6);
     for order in [0, 1, 2, 3] {

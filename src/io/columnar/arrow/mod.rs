@@ -202,7 +202,11 @@ impl Store for ArrowStore {
 
     fn may_round(&self, field: usize) -> bool {
         let entry = self.columns[field].entry.as_ref();
-        matches!(entry, Some(Entry::Signed(8) | Entry::Unsigned(8) | Entry::Decimal(8 | 16, 0)))
+        let is_long = |entry: &Entry| match *entry {
+            Entry::Signed(bytes) | Entry::Unsigned(bytes) | Entry::Decimal(bytes, 0) => bytes >= 8,
+            _ => false,
+        };
+        entry.is_some_and(is_long)
     }
 
     fn column(

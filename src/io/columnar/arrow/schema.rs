@@ -8,6 +8,9 @@ use crate::io::columnar::store::{Field, Kind};
 /// What the entries of a column are that are no numbers: their unit is not that of others.
 pub const DURATIONS: &str = "durations";
 
+/// Most digits of a decimal, whose integer then fits 128 bits, whatever its width.
+const MOST_DIGITS: i32 = 38;
+
 /// Columns within columns at most.
 const DEEPEST: usize = 64;
 
@@ -182,6 +185,7 @@ fn entry(field: Table<'_>) -> Result<Result<Entry, &'static str>, Fault> {
         6 => Ok(Entry::Bool),
         7 => match if of.has(2) { of.i32(2)? } else { 128 } {
             bits @ (32 | 64 | 128) => Ok(Entry::Decimal(bits as usize / 8, of.i32(1)?)),
+            256 if of.i32(0)? <= MOST_DIGITS => Ok(Entry::Decimal(32, of.i32(1)?)),
             _ => Err("decimals of more than 38 digits"),
         },
         8 => Err("dates"),

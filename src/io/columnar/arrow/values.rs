@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::batch::{Buffer, Place};
 use super::schema::Entry;
 use crate::io::columnar::codec::too_large;
-use crate::io::columnar::decimal::decimal;
+use crate::io::columnar::decimal::{decimal, little_endian};
 use crate::io::columnar::fault::Fault;
 use crate::io::columnar::store::{Cells, ColumnReader, Integer};
 use crate::io::columnar::words::{self, Words};
@@ -239,6 +239,15 @@ impl Values {
             Entry::Decimal(8, scale) => {
                 self.numbers(rows, cells, |b| decimal(i64::from_le_bytes(b).into(), scale))
             }
+            Entry::Decimal(32, 0) => {
+                self.entries_of(rows, cells, |b: [u8; 32], cells| match little_endian(b) {
+                    Some(integer) => cells.push_integer(integer),
+                    None => cells.miss(),
+                })
+            }
+            Entry::Decimal(32, scale) => self.numbers(rows, cells, |b: [u8; 32]| {
+                little_endian(b).map_or(f64::NAN, |value| decimal(value, scale))
+            }),
             Entry::Decimal(_, scale) => {
                 self.numbers(rows, cells, |b| decimal(i128::from_le_bytes(b), scale))
             }

@@ -161,10 +161,7 @@ impl Assembly {
             self.faces.iter_mut().for_each(|face| *face = face.map(|v| numbers[v as usize]));
         }
         drop(numbers);
-        if self.faces.iter().any(has_corner_twice) {
-            // Copies of different colours are at one position, too.
-            let is_point = |face: &[u32; 3]| has_corner_twice(&face.map(|v| vertices[v as usize]));
-            let first = self.faces.iter().position(is_point).unwrap_or_default();
+        if let Some(first) = self.faces.iter().position(has_corner_twice) {
             let run = self.runs.partition_point(|run| run.start <= first) - 1;
             self.draft.collapse(|| self.runs[run].place.clone());
         }

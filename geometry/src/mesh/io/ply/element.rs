@@ -1,6 +1,7 @@
 //! Elements of a PLY file and their properties.
 
 use super::super::draft::Checked;
+use super::super::notes::Notes;
 use super::super::text::quoted;
 
 pub(super) use super::super::stored::Kind as Type;
@@ -64,6 +65,15 @@ pub(super) enum Name {
     CornerUv,
 }
 
+/// The parts of a colour.
+pub(super) const COLOR: [Name; 4] = [Name::Red, Name::Green, Name::Blue, Name::Alpha];
+
+/// The parts of a normal.
+pub(super) const NORMAL: [Name; 3] = [Name::NormalX, Name::NormalY, Name::NormalZ];
+
+/// The texture coordinates of a vertex.
+pub(super) const UV: [Name; 2] = [Name::U, Name::V];
+
 impl Name {
     /// Parses the name of a property.
     pub fn parse(word: &[u8]) -> Option<Self> {
@@ -91,6 +101,8 @@ impl Name {
 #[derive(Debug)]
 pub(super) struct Property {
     pub name: Option<Name>,
+    /// The name in the file, in quotes.
+    pub word: String,
     pub item: Type,
     /// The type of the length of a list; `None` for a scalar.
     pub counted_by: Option<Type>,
@@ -119,6 +131,19 @@ impl Element {
     /// Returns the index of a list among the lists.
     pub fn list(&self, name: Name) -> Option<usize> {
         self.properties.iter().filter(|p| p.counted_by.is_some()).position(|p| p.name == Some(name))
+    }
+
+    /// Returns whether there is a scalar for each of red, green and blue.
+    pub fn has_colors(&self) -> bool {
+        self.scalars([Name::Red, Name::Green, Name::Blue]).is_some()
+    }
+
+    /// Notes the properties that are not among those that a reader uses.
+    pub fn note_unused(&self, used: &[Name], what: &'static str, notes: &mut Notes) {
+        let is_unused = |p: &&Property| !p.name.is_some_and(|name| used.contains(&name));
+        for property in self.properties.iter().filter(is_unused) {
+            notes.add(what, || property.word.clone());
+        }
     }
 
     /// Returns the value of scalar number i that represents 1 in a colour.

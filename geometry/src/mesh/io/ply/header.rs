@@ -107,17 +107,9 @@ fn statement(
             elements.push(Element { name, count: count(number)?, properties: Vec::new() });
         }
         [b"property", b"list", counted_by, item, name] => {
-            let counted_by = Type::parse(counted_by)?;
-            let name = Name::parse(name);
-            property(
-                elements,
-                Property { name, item: Type::parse(item)?, counted_by: Some(counted_by) },
-            )?;
+            property(elements, name, item, Some(Type::parse(counted_by)?))?;
         }
-        [b"property", item, name] => {
-            let name = Name::parse(name);
-            property(elements, Property { name, item: Type::parse(item)?, counted_by: None })?;
-        }
+        [b"property", item, name] => property(elements, name, item, None)?,
         [b"end_header"] => return Ok(Statement::Last),
         [word @ (b"format" | b"element" | b"property" | b"end_header"), ..] => {
             return Err(format!("invalid statement {} in the header", quoted(word)).into());
@@ -128,9 +120,18 @@ fn statement(
     Ok(Statement::Known)
 }
 
-fn property(elements: &mut [Element], property: Property) -> Checked<()> {
+/// Adds a property of this name and type to the last element; `counted_by` is the type of the
+/// length of a list.
+fn property(
+    elements: &mut [Element],
+    name: &[u8],
+    item: &[u8],
+    counted_by: Option<Type>,
+) -> Checked<()> {
+    let item = Type::parse(item)?;
     let element =
         elements.last_mut().ok_or_else(|| Fault::from("a property without an element"))?;
-    element.properties.push(property);
+    let (name, word) = (Name::parse(name), quoted(name));
+    element.properties.push(Property { name, word, item, counted_by });
     Ok(())
 }

@@ -6,12 +6,13 @@ mod header;
 mod rows;
 mod write;
 
-use self::element::{Element, Name};
+use self::element::{COLOR, Element, NORMAL, Name, UV};
 use self::header::Header;
 use self::rows::{Block, Rows};
 use super::super::has_corner_twice;
 use super::attributes::{Attribute, MeshFile};
 use super::draft::{Checked, Draft, roomy};
+use super::notes::Notes;
 use super::polygon::fan;
 use super::stored::{NO_INDEX, index};
 use catamaran::base::{Result, push};
@@ -32,13 +33,7 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
             "tristrips" => reader.strips(element, &mut rows),
             _ => rows.skip(),
         };
-        if !matches!(element.name.as_str(), "vertex" | "face" | "tristrips")
-            && element.list(Name::Corners).is_some()
-        {
-            // Such as grids of scanners.
-            let what = "left out elements of vertices that are no faces";
-            reader.draft.notes.add_many(what, element.count, || element.name.clone());
-        }
+        note_left_out(element, &mut reader.draft.notes);
         let (longer, first) = rows.longer;
         read.map_err(|fault| fault.at(source))?;
         let what = "left out numbers after those that the header declares, in lines";
@@ -46,6 +41,48 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
     }
     header.skip_rest(source, block.left(), &mut reader.draft.notes)?;
     reader.finish().map_err(|fault| fault.at(source))
+}
+
+/// Notes the rows or the properties of an element that the reader leaves out.
+fn note_left_out(element: &Element, notes: &mut Notes) {
+    if element.count == 0 || element.properties.is_empty() {
+        return;
+    }
+    match element.name.as_str() {
+        "vertex" => {
+            let mut used = vec![Name::X, Name::Y, Name::Z];
+            if element.scalars(NORMAL).is_some() {
+                used.extend(NORMAL);
+            }
+            if element.scalars(UV).is_some() {
+                used.extend(UV);
+            }
+            if element.has_colors() {
+                used.extend(COLOR);
+            }
+            element.note_unused(&used, "left out properties of vertices", notes);
+        }
+        "face" => {
+            let mut known = vec![Name::Corners, Name::CornerUv];
+            if element.has_colors() {
+                let first = || "face 0".to_owned();
+                notes.add_many("left out colours of faces", element.count, first);
+                known.extend(COLOR);
+            }
+            element.note_unused(&known, "left out properties of faces", notes);
+        }
+        "tristrips" => {
+            element.note_unused(&[Name::Corners], "left out properties of strips", notes);
+        }
+        _ => {
+            // Such as grids of scanners.
+            let what = match element.list(Name::Corners) {
+                Some(_) => "left out elements of vertices that are no faces",
+                None => "left out elements that are no part of a mesh",
+            };
+            notes.add_many(what, element.count, || element.name.clone());
+        }
+    }
 }
 
 /// The indices of the scalars of a vertex.
@@ -65,8 +102,8 @@ impl Places {
         let [r, g, b] = rgb;
         Ok(Self {
             position: position.ok_or("vertices have no x, y and z")?,
-            normal: element.scalars([Name::NormalX, Name::NormalY, Name::NormalZ]),
-            uv: element.scalars([Name::U, Name::V]),
+            normal: element.scalars(NORMAL),
+            uv: element.scalars(UV),
             color: rgb.iter().all(Option::is_some).then(|| [r, g, b, channel(Name::Alpha)]),
         })
     }
