@@ -9,10 +9,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, anyhow, bail};
 use catamaran::Par;
 use catamaran::base::block_rows;
-use catamaran::faer::prelude::ReborrowMut;
-use catamaran::faer::{Mat, MatMut, MatRef};
+use catamaran::faer::{Mat, MatRef};
 use catamaran::io::{Columns, FileFormat, Missing, Output, ReadOptions, TableReading};
-use catamaran::rows::{Design, DesignColumn, Factor, RowBlocks};
+use catamaran::rows::{Design, DesignColumn, Factor, RowBlocks as _};
 use catamaran::solve::{Interval, LinearModel, Uncertainty};
 use clap::ValueEnum;
 use serde::Deserialize;
@@ -189,8 +188,11 @@ pub fn run(args: &Args) -> Result<()> {
     let mut sink =
         Sink { output, model: &model, rows: (missing == Missing::Drop).then_some(&design) };
     sink.begin(args.interval.is_some())?;
-    let mut all = Checked::of(table.a(), missing != Missing::Error)?;
-    let mut rows = design.rows(&mut all).with_context(name)?;
+    let mut all = match missing {
+        Missing::Error => table.a().rows::<f64>(true)?,
+        _ => table.a().rows_with_missing()?,
+    };
+    let mut rows = design.rows(&mut *all).with_context(name)?;
     let (count, n) = (rows.nrows(), rows.ncols());
     let m = count.min(sink.most());
     let height = block_rows::<f64>(n, false).min(ROWS).min(m).max(1);
@@ -378,50 +380,6 @@ impl Model {
         let rows = self.root.as_ref()?;
         let n = self.mean.as_ref()?.len();
         Some(Mat::from_fn(rows.len(), n, |i, j| rows[i][j]))
-    }
-}
-
-/// The rows of a table without infinities, and without NaN unless these are missing values.
-struct Checked<'a> {
-    rows: Box<dyn RowBlocks<f64> + Send + 'a>,
-    path: &'a Path,
-    /// The number of each column, and its name where it has one.
-    columns: Vec<String>,
-    takes_nan: bool,
-}
-
-impl<'a> Checked<'a> {
-    fn of(table: &'a Source, takes_nan: bool) -> Result<Self> {
-        let column = |(number, name): (usize, String)| match name == number.to_string() {
-            true => name,
-            false => format!("{number} ({name})"),
-        };
-        let columns = table.numbers().into_iter().zip(table.column_names()).map(column).collect();
-        Ok(Self { rows: table.rows::<f64>(false)?, path: table.path(), columns, takes_nan })
-    }
-}
-
-impl RowBlocks<f64> for Checked<'_> {
-    fn nrows(&self) -> usize {
-        self.rows.nrows()
-    }
-
-    fn ncols(&self) -> usize {
-        self.rows.ncols()
-    }
-
-    fn read(&mut self, first: usize, mut out: MatMut<'_, f64>) -> catamaran::Result<()> {
-        self.rows.read(first, out.rb_mut())?;
-        let is_wrong = |x: f64| x.is_infinite() || x.is_nan() && !self.takes_nan;
-        let wrong = |i: usize| Some((i, (0..out.ncols()).find(|&j| is_wrong(out[(i, j)]))?));
-        match (0..out.nrows()).find_map(wrong) {
-            Some((i, j)) => {
-                let (value, row, column) = (out[(i, j)], first + i, &self.columns[j]);
-                let what = format!("{value} in row {row} (counted from 0), column {column}");
-                Err(catamaran::Error::file(self.path, what))
-            }
-            None => Ok(()),
-        }
     }
 }
 

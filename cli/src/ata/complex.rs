@@ -93,7 +93,7 @@ pub fn require_finite(source: &Source, a: MatRef<'_, c64>) -> Result<()> {
 fn not_finite(source: &Source, a: MatRef<'_, c64>) -> Option<String> {
     let column = |i: usize| (0..a.ncols()).find(|&j| !a[(i, j)].is_finite());
     let (i, j) = (0..a.nrows()).find_map(|i| Some((i, column(i)?)))?;
-    Some(format!("{}: {}", source.path().display(), source.at(text(a[(i, j)]), i, j)))
+    Some(format!("{}: {}", source.path().display(), source.places().at(text(a[(i, j)]), i, j)))
 }
 
 /// Notes entries of the product of these files that are not finite, and the cause.

@@ -7,14 +7,16 @@ pub mod write;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
+use catamaran::Error;
 use catamaran_geometry::curve::{
     Count, Curve, CurveOptions, Drawing, Drawn, Mode, Outcome, Placement, Reconstruction, Region,
-    cut, place, places,
+    Site, cut, place, places,
 };
+use catamaran_geometry::mesh::vector::distance;
 use catamaran_geometry::mesh::{Refined, TriMesh};
 use clap::{ArgGroup, ValueEnum, ValueHint};
-use samples::Group;
+use samples::{Group, Samples};
 use surface::{SurfaceArgs, paint, walls};
 use write::Format;
 
@@ -131,7 +133,10 @@ pub fn run(args: &Args) -> Result<()> {
     args.surface.check_pieces(&file, args.force)?;
     let given = samples::parse(&args.samples.read()?, &args.samples.name())?;
     let placement = if args.insert { Placement::Insert } else { Placement::Snap };
-    let placed = place(&file.mesh, &given.sites, placement).with_context(|| args.samples.name())?;
+    let name = args.samples.name();
+    let placed = place(&file.mesh, &given.sites, placement);
+    let placed = placed.map_err(|error| refused(error, &given, &name))?;
+    note_far(&given, &placed.vertices, &file.mesh, &name);
     let placed_on = placed.mesh.unwrap_or_else(|| Refined::new(file.mesh.clone()));
     let mut drawing = Drawing::new(placed_on.mesh.clone())?;
     let time = draw(args, &mut drawing, &given.groups, &placed.vertices)?;
@@ -193,6 +198,39 @@ pub fn run(args: &Args) -> Result<()> {
         args.picture.draw(picture, &args.mesh, &[(&painted, Paint::Colors(&colors), "")])?;
     }
     Ok(())
+}
+
+/// Names the line of the file `name` with the sample that an error of the library is about.
+fn refused(error: Error, given: &Samples, name: &str) -> anyhow::Error {
+    if let Error::Argument { what: "sites", why } = &error
+        && let Some((number, why)) = why.strip_prefix("site ").and_then(|why| why.split_once(": "))
+        && let Some(line) = number.parse().ok().and_then(|i: usize| given.lines.get(i))
+    {
+        return anyhow!("{name}:{line}: {why}");
+    }
+    anyhow::Error::from(error).context(name.to_owned())
+}
+
+/// Says how many points in space are far from the vertices that they stand for, as they are in
+/// other units than the mesh.
+fn note_far(given: &Samples, vertices: &[u32], mesh: &TriMesh, name: &str) {
+    /// Share of the diagonal of the mesh above which a point is far from it.
+    const FAR: f64 = 0.1;
+    let [low, high] = mesh.bounding_box().unwrap_or_default();
+    let gap = |i: &usize| match given.sites[*i] {
+        Site::Near(point) => distance(point, mesh.vertices()[vertices[*i] as usize]),
+        Site::Vertex(_) | Site::Face(_) => 0.0,
+    };
+    let is_far = |i: &usize| gap(i) > FAR * distance(low, high);
+    let far: Vec<usize> = (0..given.sites.len()).filter(is_far).collect();
+    let Some(first) = far.first() else { return };
+    let (line, vertex, gap) = (given.lines[*first], vertices[*first], gap(first));
+    note(format_args!(
+        "{name}:{line}: the point is {gap:.3e} from the mesh, and stands for vertex {vertex}: is \
+         it in the units of the mesh? {} of {} samples are as far",
+        far.len(),
+        given.sites.len()
+    ));
 }
 
 /// Finds the curves of all groups, and returns the time that this took.

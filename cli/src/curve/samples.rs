@@ -44,6 +44,8 @@ impl Group {
 pub struct Samples {
     /// All samples, in the order of the file.
     pub sites: Vec<Site>,
+    /// The line of each sample, from 1.
+    pub lines: Vec<usize>,
     /// At least one.
     pub groups: Vec<Group>,
 }
@@ -51,7 +53,7 @@ pub struct Samples {
 /// Parses the text of the file `name`: one sample per line; `#` begins a comment. A line `curve
 /// NAME` begins another curve.
 pub fn parse(text: &str, name: &str) -> Result<Samples> {
-    let mut sites: Vec<Site> = Vec::new();
+    let (mut sites, mut lines): (Vec<Site>, Vec<usize>) = (Vec::new(), Vec::new());
     let mut groups: Vec<Group> = Vec::new();
     for (i, line) in text.lines().enumerate() {
         let place = || format!("{name}:{}", i + 1);
@@ -77,6 +79,7 @@ pub fn parse(text: &str, name: &str) -> Result<Samples> {
                     )
                 })?;
                 sites.push(site);
+                lines.push(i + 1);
                 if let Some(group) = groups.last_mut() {
                     group.samples.end = sites.len();
                 }
@@ -87,7 +90,7 @@ pub fn parse(text: &str, name: &str) -> Result<Samples> {
         let samples = 0..sites.len();
         groups.push(Group { name: None, open: false, single: false, side: None, samples });
     }
-    Ok(Samples { sites, groups })
+    Ok(Samples { sites, lines, groups })
 }
 
 /// Parses `small`, `large` or `seed:V,W`.

@@ -15,7 +15,7 @@ use catamaran_simulation::texture::newton::{
     Fractal, Gradient, Grid, Newton, NewtonOptions, Points, Polynomial, texels,
 };
 use catamaran_simulation::texture::slime;
-use clap::ValueEnum;
+use clap::{ArgGroup, ValueEnum};
 
 use crate::common::{Force, Threads, as_option};
 use crate::defaults::{Numbers, stated, variant};
@@ -37,7 +37,11 @@ const PIXELS: u32 = 1024;
 const VOXELS: u32 = 128;
 
 /// The mesh, and the options for meshes only.
-const OF_MESHES: [&str; 5] = ["mesh", "no_fit", "uv", "write_material", "inlay"];
+const OF_MESHES: [&str; 8] =
+    ["mesh", "no_fit", "uv", "write_material", "inlay", REPAIRS[0], REPAIRS[1], REPAIRS[2]];
+
+/// The options of [`MeshArgs`].
+const REPAIRS: [&str; 3] = ["weld", "drop_specks", "strict"];
 
 /// Draw a Newton fractal of bicomplex numbers on a plane, a mesh or a volume.
 ///
@@ -48,6 +52,7 @@ const OF_MESHES: [&str; 5] = ["mesh", "no_fit", "uv", "write_material", "inlay"]
 ///
 /// There are more examples in docs/guide/newton.md.
 #[derive(clap::Args)]
+#[command(group = ArgGroup::new("repairs").args(REPAIRS).multiple(true).requires("mesh"))]
 pub struct Args {
     #[arg(value_name = "MESH", help = crate::input::mesh_help("The mesh"))]
     mesh: Option<PathBuf>,
@@ -388,6 +393,9 @@ fn drawing(args: &Args) -> Result<Drawing> {
     if args.extent <= 0.0 || !args.extent.is_finite() {
         bail!("--extent {}: a finite number above 0 is needed", args.extent);
     }
+    if args.scale == 0.0 {
+        bail!("--scale 0: makes one point of all; another number is needed");
+    }
     let side = if args.volume { VOXELS } else { PIXELS };
     let (width, height) = args.size.unwrap_or((side, side));
     if args.volume {
@@ -401,6 +409,9 @@ fn drawing(args: &Args) -> Result<Drawing> {
     };
     let mut file = crate::decimate::read(path, &args.repair)?;
     let named = || path.display().to_string();
+    if file.mesh.faces().is_empty() && (args.uv || args.picture.path().is_some()) {
+        bail!("{}: has no faces, which textures and pictures show", named());
+    }
     if args.write_material.is_some() {
         // A relief crosses seams, for which the texture must not repeat.
         let within = file.uv.as_ref().map(slime::fitted);

@@ -91,15 +91,16 @@ pub fn check_names(args: &Args) -> Result<()> {
             bail!("{name}: only --picture writes animations of meshes and volumes");
         } else if !args.volume {
             meshes::check_name(path)?;
-        } else if !is_mesh(path) && VolumeFormat::of(path, false).is_none() {
-            files::check_name(path)?;
+        } else if !is_mesh(path) {
+            check_voxels(path, "voxels are written as .vti, .nrrd, a mesh such as .ply")?;
         }
     }
-    if let Some(path) = args.heights.as_deref()
-        && !(is_picture && is_png(path))
-        && !(args.volume && VolumeFormat::of(path, false).is_some())
-    {
-        files::check_name(path)?;
+    match args.heights.as_deref() {
+        Some(path) if args.volume => {
+            check_voxels(path, "the convergence of voxels is written as .vti, .nrrd")?;
+        }
+        Some(path) if !(is_picture && is_png(path)) => files::check_name(path)?,
+        _ => {}
     }
     if let Some(path) = args.picture.path() {
         if is_picture {
@@ -135,6 +136,15 @@ pub fn check_names(args: &Args) -> Result<()> {
     let volume_file = |path: &PathBuf| VolumeFormat::of(path, true).is_some();
     if args.compress && ![&args.output, &args.heights].into_iter().flatten().any(volume_file) {
         bail!("--compress is for .vti and .nrrd: it needs such an output");
+    }
+    Ok(())
+}
+
+/// Refuses the name of a file that is neither an array of voxels nor a table; `kinds` are those
+/// that it may have instead.
+fn check_voxels(path: &Path, kinds: &str) -> Result<()> {
+    if VolumeFormat::of(path, false).is_none() && files::check_name(path).is_err() {
+        bail!("{}: {kinds} or a table such as .npy; --picture draws them", path.display());
     }
     Ok(())
 }

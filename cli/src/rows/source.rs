@@ -204,7 +204,9 @@ impl Source {
         const LISTED: usize = 10;
         let s = if columns.len() == 1 { "" } else { "s" };
         let some = &columns[..columns.len().min(LISTED)];
-        let mut list = self.listed(some);
+        let places = self.places();
+        let label = |&j: &usize| places.columns[j].as_str();
+        let mut list = some.iter().map(label).collect::<Vec<_>>().join(", ");
         if columns.len() > LISTED {
             list += &format!(" and {} more", columns.len() - LISTED);
         }
@@ -212,20 +214,14 @@ impl Source {
         format!("column{s} {list}{base}")
     }
 
-    /// Returns the numbers of columns in the file, with their names if they have some.
-    fn listed(&self, columns: &[usize]) -> String {
-        let numbers = self.numbers();
-        let label = |&j: &usize| match self.names.get(j).filter(|name| !name.is_empty()) {
-            Some(name) => format!("{} ({name})", numbers[j]),
-            None => numbers[j].to_string(),
+    /// Returns what messages about entries need.
+    pub fn places(&self) -> Places {
+        let label = |(j, number): (usize, usize)| match self.names.get(j) {
+            Some(name) if !name.is_empty() => format!("{number} ({name})"),
+            _ => number.to_string(),
         };
-        columns.iter().map(label).collect::<Vec<_>>().join(", ")
-    }
-
-    /// Says what an entry is, and where in the file.
-    pub fn at(&self, entry: impl Display, row: usize, column: usize) -> String {
-        let base = if self.is_named() { ", counted from 0" } else { " (counted from 0)" };
-        format!("{entry} at row {row}, column {}{base}", self.listed(&[column]))
+        let columns = self.numbers().into_iter().enumerate().map(label).collect();
+        Places { columns, are_named: self.is_named() }
     }
 
     /// Returns whether the matrix is read block by block.
@@ -337,12 +333,21 @@ impl Source {
     /// Returns the rows, converted to T; `require_finite` refuses NaN and infinities. May be called
     /// several times.
     pub fn rows<T: BlasReal>(&self, require_finite: bool) -> Result<Rows<'_, T>> {
-        let rows: Rows<'_, T> = match &self.content {
-            Content::File(file) => self.chosen_rows(file)?,
-            Content::Table(file) => Box::new(file.try_clone()?),
-            Content::Whole(content) => rows_of::<T>(&self.name, &content.matrix)?,
-        };
-        Ok(if require_finite { Box::new(Finite { rows, source: self }) } else { rows })
+        Ok(match (&self.content, require_finite) {
+            (_, true) => self.checked(self.rows(false)?, false),
+            (Content::File(file), _) => self.chosen_rows(file)?,
+            (Content::Table(file), _) => Box::new(file.try_clone()?),
+            (Content::Whole(content), _) => rows_of::<T>(&self.name, &content.matrix)?,
+        })
+    }
+
+    /// Returns the rows, of which NaN stands for missing values; refuses infinities.
+    pub fn rows_with_missing<T: BlasReal>(&self) -> Result<Rows<'_, T>> {
+        Ok(self.checked(self.rows(false)?, true))
+    }
+
+    fn checked<'a, T: Real>(&'a self, rows: Rows<'a, T>, takes_nan: bool) -> Rows<'a, T> {
+        Box::new(Finite { rows, path: &self.name, places: self.places(), takes_nan })
     }
 
     /// Returns the rows of a file with the columns that are used.
@@ -366,7 +371,7 @@ impl Source {
     pub fn not_finite(&self) -> Result<Option<String>> {
         if let Some(sparse) = self.sparse() {
             let found = sparse.iter().find(|(x, _)| !x.is_finite());
-            return Ok(found.map(|(x, (row, column))| self.at(x, row, column)));
+            return Ok(found.map(|(x, (row, column))| self.places().at(x, row, column)));
         }
         let (m, n) = self.shape();
         if m == 0 || n == 0 {
@@ -381,8 +386,8 @@ impl Source {
             let entries = &mut entries[..count * n];
             let mut block = MatMut::from_row_major_slice_mut(entries, count, n);
             rows.read(first, block.rb_mut())?;
-            if let Some((i, j)) = first_not_finite(block.as_ref()) {
-                return Ok(Some(self.at(block[(i, j)], first + i, j)));
+            if let Some((i, j)) = first_not_finite(block.as_ref(), false) {
+                return Ok(Some(self.places().at(block[(i, j)], first + i, j)));
             }
         }
         Ok(None)
@@ -436,10 +441,27 @@ impl<T: Real> RowBlocks<T> for Chosen<'_, T> {
 /// Entries that are read at a time to be checked.
 const BLOCK: usize = 1 << 20;
 
+/// Where entries are in a file.
+pub struct Places {
+    /// The number of each column, and its name where it has one.
+    columns: Vec<String>,
+    are_named: bool,
+}
+
+impl Places {
+    /// Says what an entry is, and where.
+    pub fn at(&self, entry: impl Display, row: usize, column: usize) -> String {
+        let base = if self.are_named { ", counted from 0" } else { " (counted from 0)" };
+        format!("{entry} at row {row}, column {}{base}", self.columns[column])
+    }
+}
+
 /// Rows that must be finite.
 struct Finite<'a, T> {
     rows: Rows<'a, T>,
-    source: &'a Source,
+    path: &'a Path,
+    places: Places,
+    takes_nan: bool,
 }
 
 impl<T: Real> RowBlocks<T> for Finite<'_, T> {
@@ -453,20 +475,21 @@ impl<T: Real> RowBlocks<T> for Finite<'_, T> {
 
     fn read(&mut self, first: usize, mut out: MatMut<'_, T>) -> catamaran::Result<()> {
         self.rows.read(first, out.rb_mut())?;
-        match first_not_finite(out.as_ref()) {
+        match first_not_finite(out.as_ref(), self.takes_nan) {
             Some((i, j)) => {
-                let what = self.source.at(out[(i, j)].to_f64(), first + i, j);
-                Err(catamaran::Error::file(self.source.path(), what))
+                let what = self.places.at(out[(i, j)].to_f64(), first + i, j);
+                Err(catamaran::Error::file(self.path, what))
             }
             None => Ok(()),
         }
     }
 }
 
-/// Returns the first row of a block with an entry that is NaN or infinite, and the column of that
-/// entry.
-fn first_not_finite<T: Real>(block: MatRef<'_, T>) -> Option<(usize, usize)> {
-    let column = |i: usize| (0..block.ncols()).find(|&j| !block[(i, j)].is_finite());
+/// Returns the first row of a block with an entry that is infinite, or NaN unless it `takes_nan`,
+/// and the column of that entry.
+fn first_not_finite<T: Real>(block: MatRef<'_, T>, takes_nan: bool) -> Option<(usize, usize)> {
+    let is_wrong = |x: T| !x.is_finite() && !(takes_nan && x.to_f64().is_nan());
+    let column = |i: usize| (0..block.ncols()).find(|&j| is_wrong(block[(i, j)]));
     (0..block.nrows()).find_map(|i| Some((i, column(i)?)))
 }
 

@@ -4,11 +4,14 @@ use anyhow::Result;
 use catamaran::io::Output;
 use catamaran_geometry::mesh::io::Picture;
 
+/// The most species that are the channels of one picture.
+pub const CHANNELS: usize = 3;
+
 /// Returns the names of the pictures of a frame: species in the channels of one picture, or one
-/// picture for each species when there are more than three.
+/// picture for each species when there are more than [`CHANNELS`].
 pub fn names(stem: &str, species: usize) -> Vec<String> {
     match species {
-        1..=3 => vec![format!("{stem}.png")],
+        1..=CHANNELS => vec![format!("{stem}.png")],
         _ => (0..species).map(|s| format!("{stem}-species{s}.png")).collect(),
     }
 }

@@ -15,10 +15,10 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use catamaran::io::Output;
 use catamaran::{Error, Par};
-use catamaran_geometry::mesh::io::{Attribute, Labels, MeshFile};
+use catamaran_geometry::mesh::io::{Attribute, Labels, MeshFile, Picture};
 use catamaran_simulation::texture::slime::{
     Coverage, Mask, Options, Simulation, Surface, atlas, fitted, smallest_size,
 };
@@ -51,10 +51,11 @@ const PIXELS: usize = 900;
 ///
 /// The folder gets the texture at each frame (--every): up to three species are the channels of one
 /// .png, and more species have one .png each. It also gets coverage.csv, and mesh.obj, the mesh
-/// with its texture coordinates, whose material (mesh.mtl) shows the last frame. A mesh without
-/// texture coordinates gets an atlas of its triangles. With --material the folder gets textures for
-/// physically based rendering, and the mesh with these textures. Ctrl-C ends the run; a run with
-/// --state can be resumed (--resume), with the same result as without the interruption.
+/// with its texture coordinates, whose material (mesh.mtl) shows the last frame; of more than three
+/// species, mesh.png has this frame in colours. A mesh without texture coordinates gets an atlas of
+/// its triangles. With --material the folder gets textures for physically based rendering, and the
+/// mesh with these textures. Ctrl-C ends the run; a run with --state can be resumed (--resume),
+/// with the same result as without the interruption.
 #[derive(clap::Args)]
 pub struct Args {
     #[arg(
@@ -65,7 +66,7 @@ pub struct Args {
     mesh: Option<PathBuf>,
     /// Use a square whose opposite sides are joined, instead of a mesh: the texture repeats without
     /// a seam. --render shows four copies.
-    #[arg(long, conflicts_with_all = ["mesh", "atlas"])]
+    #[arg(long, conflicts_with_all = ["mesh", "atlas", "weld", "drop_specks", "strict"])]
     tile: bool,
     /// Settings of the simulation: .toml with the names of table 3.1 of the thesis
     /// (docs/algorithms/slime.md) and a table [material] (docs/guide/slime.md), or an .ini of the
@@ -216,8 +217,15 @@ pub fn run(args: &Args) -> Result<()> {
     let par = args.threads.par();
     let textured = textured(&file, simulation);
     output::mesh(outputs.mesh, &textured)?;
+    if has_picture(options.species, look.as_ref()) {
+        let picture = Picture::rgb(simulation.texels().size(), &view::colors(simulation))?;
+        images::save(args.force.create(&args.output.join(PICTURE))?, picture)?;
+    }
     let frame = frames.last().map(|&step| frame_names(step, args.steps, options.species));
-    let frame = frame.as_ref().and_then(|names| names.first());
+    let frame = match has_picture(options.species, look.as_ref()) {
+        true => Some(PICTURE),
+        false => frame.as_ref().and_then(|names| names.first()).map(String::as_str),
+    };
     write_material(outputs.material, frame, look.as_ref())?;
     let maps = look.map(|look| MaterialMaps::new(simulation, &look, par)).transpose()?;
     if let Some(maps) = &maps {
@@ -345,8 +353,15 @@ const MESH: &str = "mesh.obj";
 /// The material of the mesh, which shows the last frame.
 const MATERIAL: &str = "mesh.mtl";
 const MATERIAL_NAME: &str = "slime";
+/// The last frame of more species than a picture has channels, in their colours.
+const PICTURE: &str = "mesh.png";
 /// Coverage and presence after each step.
 const TABLE: &str = "coverage.csv";
+
+/// Returns whether there is a picture of all species for the material of the mesh.
+fn has_picture(species: usize, look: Option<&Look>) -> bool {
+    species > images::CHANNELS && look.is_none()
+}
 
 fn frame_names(step: u32, last: u32, species: usize) -> Vec<String> {
     let digits = last.to_string().len().max(4);
@@ -397,11 +412,12 @@ impl Args {
         frames.iter().flat_map(|&step| frame_names(step, self.steps, species)).collect()
     }
 
-    /// Returns the names of the files that are created after steps: the pictures of frames, and the
-    /// files of a look.
+    /// Returns the names of the files that are created after steps: the pictures of frames and of
+    /// all species, and the files of a look.
     fn late_files(&self, frames: &[u32], species: usize, look: Option<&Look>) -> Vec<String> {
         let mut files = self.frame_files(frames, species);
         files.extend(look.map(material::names).unwrap_or_default().into_iter().map(String::from));
+        files.extend(has_picture(species, look).then(|| PICTURE.to_owned()));
         files
     }
 
@@ -558,7 +574,7 @@ impl Args {
             charts = charts;
             "{triangles} triangles, {charts} charts in the texture"
         )?;
-        let simulation = Simulation::new(surface, options, &mask)?;
+        let simulation = Simulation::new(surface, options, &mask).map_err(|e| self.refused(e))?;
         if let Some(first) = simulation.texels().overlapping().first() {
             let count = simulation.texels().overlapping().len();
             note(format_args!(
@@ -577,7 +593,24 @@ impl Args {
             "{agents} agents of {species} species, {size} x {size} texels, {} MiB",
             simulation.bytes() >> 20
         )?;
+        if agents < species {
+            let without = species - agents;
+            note(format_args!(
+                "{without} of {species} species have no agents (--agents {agents}), and leave \
+                 their textures black"
+            ));
+        }
         Ok(simulation)
+    }
+
+    /// Names the mask that an error of the library is about.
+    fn refused(&self, error: Error) -> anyhow::Error {
+        match (error, &self.mask) {
+            (Error::Argument { what: "mask", why }, Some(path)) => {
+                anyhow!("--mask {}: {why}", path.display())
+            }
+            (error, _) => error.into(),
+        }
     }
 }
 
@@ -595,7 +628,7 @@ fn textured(file: &MeshFile, simulation: &Simulation) -> MeshFile {
 
 /// Writes the material of the mesh (Wavefront MTL): the textures of its look, or the picture of a
 /// frame.
-fn write_material(mut output: Output, picture: Option<&String>, look: Option<&Look>) -> Result<()> {
+fn write_material(mut output: Output, picture: Option<&str>, look: Option<&Look>) -> Result<()> {
     let texture = match look {
         Some(look) => material::statements(look),
         None => picture.map_or(String::new(), |name| format!("map_Kd {name}\n")),

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context, Result, bail};
-use catamaran::Par;
+use anyhow::{Context, Result, anyhow, bail};
+use catamaran::{Error, Par};
 use catamaran_simulation::plant::families::{GrowthOptions, grow};
 use catamaran_simulation::plant::{
     Conductivity, Elasticity, FitOptions, LeafOptions, MotionOptions, Plant, ReadOptions, Segment,
@@ -15,7 +15,7 @@ use super::leaves::Request;
 use super::simulation::{Film, Weather};
 use super::stiffness::{ByRadius, Kappa, tissue, used};
 use super::watering::{self, Pour};
-use super::{FRAME, fit};
+use super::{ANIMATION, BALANCE, FRAME, fit};
 use crate::common::{Force, Threads};
 use crate::defaults::{Numbers, stated};
 use crate::input::{self, TextFile};
@@ -389,6 +389,20 @@ impl Args {
         }
     }
 
+    /// Names the plant, and the options that an error of the library is about.
+    pub fn refused(&self, error: anyhow::Error) -> anyhow::Error {
+        let values = [self.hours, self.delta, self.conductance.0[0]];
+        let [hours, delta, chi] = values.map(|x| Numbers([x]));
+        let error = match error.downcast() {
+            Ok(Error::Argument { what: "seconds", why }) => {
+                anyhow!("--hours {hours}, --delta {delta}, --conductance {chi}: seconds {why}")
+            }
+            Ok(error) => error.into(),
+            Err(error) => error,
+        };
+        error.context(self.name())
+    }
+
     /// Reads or generates the plant, and pins the nodes of --hold.
     pub fn plant(&self) -> Result<Plant> {
         let plant = match &self.plant {
@@ -549,10 +563,10 @@ impl Args {
         let mut names: Vec<String> =
             ["water.csv", "stiffness.csv", "water.svg", "wilting.png"].map(String::from).into();
         if self.animation {
-            names.push("wilting.glb".into());
+            names.push(ANIMATION.into());
         }
         if self.stomata.is_some() || self.soil.is_some() {
-            names.push("balance.csv".into());
+            names.push(BALANCE.into());
         }
         let ending = match self.mesh {
             Kind::Obj => "obj",

@@ -63,6 +63,11 @@ pub fn read(request: &Request<'_>) -> Result<Vec<LeafGroup>> {
             bail!("--unseen {name}: {} has no such leaf", request.drying.name());
         }
     }
+    let is_unseen = |leaf: &DryingLeaf| request.unseen.contains(&leaf.name);
+    if let Some(group) = groups.iter().find(|group| group.leaves.iter().all(is_unseen)) {
+        let (drying, name) = (request.drying.name(), &group.name);
+        bail!("--unseen: {drying}: treatment {name:?} has no other leaf, which would be fitted");
+    }
     Ok(groups)
 }
 

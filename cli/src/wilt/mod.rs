@@ -11,7 +11,7 @@ mod strip;
 mod tables;
 mod watering;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use catamaran::base::Progress;
 use catamaran_geometry::mesh::io::MeshFile;
 use catamaran_simulation::plant::{Balance, tubes};
@@ -34,6 +34,10 @@ const SIDES: usize = 6;
 
 /// The beginning of the names of meshes, before the number of the frame.
 const FRAME: &str = "plant-";
+
+/// The files that a simulation writes on request only.
+const ANIMATION: &str = "wilting.glb";
+const BALANCE: &str = "balance.csv";
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
@@ -72,9 +76,10 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let is_mesh = |end: &str| [".obj", ".ply"].contains(&end);
     note_older(&args.output, "frames", FRAME, is_mesh, &names);
+    note_other_results(args, &names);
     let bar = Bar::new("wilting");
     let simulation = simulate(&plant, &weather, Progress::new(&|done| bar.update(done)))
-        .with_context(|| args.name())?;
+        .map_err(|error| args.refused(error))?;
     drop(bar);
     let poses = &simulation.poses;
     report_frames(&simulation)?;
@@ -94,15 +99,27 @@ pub fn run(args: &Args) -> Result<()> {
     write_chart(file("water.svg")?, &chart(&plant, &simulation))?;
     draw_strip(&plant, &simulation, file("wilting.png")?)?;
     if args.animation {
-        write_animation(&plant, poses, &args.seconds(), SIDES, file("wilting.glb")?)?;
+        write_animation(&plant, poses, &args.seconds(), SIDES, file(ANIMATION)?)?;
     }
-    if names.iter().any(|name| name == "balance.csv") {
-        write_balance(file("balance.csv")?, &simulation.hours, &simulation.balance)?;
+    if names.iter().any(|name| name == BALANCE) {
+        write_balance(file(BALANCE)?, &simulation.hours, &simulation.balance)?;
     }
     for (name, pose) in names.iter().filter(|name| name.starts_with(FRAME)).zip(poses) {
         output::mesh(file(name)?, &MeshFile::from(tubes(&plant, pose, SIDES, 0.0)?))?;
     }
     report_written(args, names.len())
+}
+
+/// Notes the results of an earlier run that stay beside those of this one.
+fn note_other_results(args: &Args, names: &[String]) {
+    let is_older = |name: &&str| {
+        names.iter().all(|written| written != name) && args.output.join(name).exists()
+    };
+    let older: Vec<&str> = [ANIMATION, BALANCE].into_iter().filter(is_older).collect();
+    if !older.is_empty() {
+        let (folder, names) = (args.output.display(), older.join(", "));
+        note(format_args!("{folder}: files that this run does not write stay: {names}"));
+    }
 }
 
 fn report_written(args: &Args, files: usize) -> Result<()> {
@@ -148,7 +165,9 @@ fn report_water(simulation: &Simulation) -> Result<()> {
         "water",
         first_grams = first,
         last_grams = last;
-        "{first:.4} g at first, {last:.4} g at the end"
+        "{} at first, {} at the end",
+        shown(first),
+        shown(last)
     )?;
     let Balance { soil, transpired, supplied, drained, .. } = simulation.balance[end];
     let [soil, transpired, supplied, drained] =
@@ -161,9 +180,22 @@ fn report_water(simulation: &Simulation) -> Result<()> {
             capacity_grams = capacity,
             poured_grams = supplied,
             drained_grams = drained;
-            "{soil:.4} g at the end, of at most {capacity:.4} g; {supplied:.4} g supplied, another \
-             {drained:.4} g drained"
+            "{} at the end, of at most {}; {} supplied, another {} drained",
+            shown(soil),
+            shown(capacity),
+            shown(supplied),
+            shown(drained)
         )?;
     }
-    report!("leaves", lost_grams = transpired; "lost {transpired:.4} g")
+    report!("leaves", lost_grams = transpired; "lost {}", shown(transpired))
+}
+
+/// Formats grams with four decimals, or with four digits where these are too few.
+fn shown(grams: f64) -> String {
+    const FEW: f64 = 1e-3;
+    if grams != 0.0 && grams.abs() < FEW {
+        format!("{grams:.3e} g")
+    } else {
+        format!("{grams:.4} g")
+    }
 }

@@ -38,7 +38,8 @@ impl FromStr for Kappa {
                 Some(part) if kappa.parts.iter().all(|(other, _)| *other != part) => {
                     kappa.parts.push((part, number));
                 }
-                _ => return Err(expected()),
+                Some(_) => return Err(format!("{} is there twice", name.trim())),
+                None => return Err(expected()),
             }
         }
         Ok(kappa)
@@ -139,6 +140,7 @@ mod tests {
         for wrong in ["", "x", "leaf=", "root=3", "1,2", "leaf=1,leaf=2", "1,", "0", "leaf=-1"] {
             assert!(kappa(wrong).is_err(), "{wrong}");
         }
+        assert_eq!(kappa("leaf=1, leaf=2"), Err("leaf is there twice".into()));
         assert_eq!("0.5=12,2=30".parse(), Ok(ByRadius(vec![(0.5, 12.0), (2.0, 30.0)])));
         let wrong = ["", "1", "1=x", "1=2,", "0=2", "1=-2", "2=3,1=4", "1=2,1=3"];
         assert!(wrong.iter().all(|text| text.parse::<ByRadius>().is_err()));

@@ -31,19 +31,18 @@ pub fn draw_strip(plant: &Plant, simulation: &Simulation, output: Output) -> Res
         _ => (0..SHOWN).map(|i| i * (frames - 1) / (SHOWN - 1)).collect(),
     };
     let tails = || shown.iter().flat_map(|&i| &simulation.poses[i].tails);
-    let extent = |axis: usize| {
-        let (low, high) = tails().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), t| {
-            (low.min(t[axis]), high.max(t[axis]))
-        });
-        high - low
-    };
-    let (width, height) = (extent(0), extent(2));
+    let (width, height) = (extent(tails(), 0), extent(tails(), 2));
     let size = width.max(height).max(f64::MIN_POSITIVE);
+    let drawn = |&i: &usize| tubes(plant, &simulation.poses[i], SIDES, THINNEST * size);
+    let moments: Vec<TriMesh> = shown.iter().map(drawn).collect::<catamaran::Result<_>>()?;
+    // Tubes may be wider than the plant is by its nodes.
+    let points = || moments.iter().flat_map(|mesh| mesh.vertices());
     let pitch = width.max(0.4 * height) * 1.1 + 0.02 * size;
+    let pitch = pitch.max(1.05 * extent(points(), 0));
+    let tall = (1.1 * height.max(0.2 * size)).max(extent(points(), 2));
     let (mut vertices, mut faces, mut values) = (Vec::new(), Vec::new(), Vec::new());
-    for (place, &i) in shown.iter().enumerate() {
-        let (points, triangles) =
-            tubes(plant, &simulation.poses[i], SIDES, THINNEST * size)?.into_parts();
+    for (place, (mesh, &i)) in moments.into_iter().zip(&shown).enumerate() {
+        let (points, triangles) = mesh.into_parts();
         let first = vertices.len() as u32;
         let shift = place as f64 * pitch;
         vertices.extend(points.into_iter().map(|[x, y, z]| [x + shift, y, z]));
@@ -56,7 +55,7 @@ pub fn draw_strip(plant: &Plant, simulation: &Simulation, output: Output) -> Res
     // The view is from the front, so that all moments are equally far.
     let projection = crate::picture::Projection::Orthographic;
     let view = View { azimuth: 0.0, elevation: 8.0, up: Up::Z, projection };
-    let wide = HEIGHT as f64 * pitch * shown.len() as f64 / (1.1 * height.max(0.2 * size));
+    let wide = HEIGHT as f64 * pitch * shown.len() as f64 / tall;
     let panel = Panel { mesh: &mesh, paint: Paint::Values(&values), view, title: "" };
     let scale = ColorScale { map: ColorMap::Sequential, low: 0.0, high: 1.0 };
     let scene = Scene {
@@ -66,4 +65,12 @@ pub fn draw_strip(plant: &Plant, simulation: &Simulation, output: Output) -> Res
         ..Scene::default()
     };
     render(&scene)?.write(output)
+}
+
+/// Returns the extent of points along an axis.
+fn extent<'a>(points: impl Iterator<Item = &'a [f64; 3]>, axis: usize) -> f64 {
+    let (low, high) = points.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
+        (low.min(p[axis]), high.max(p[axis]))
+    });
+    high - low
 }

@@ -53,6 +53,39 @@ fn points_in_space_and_on_faces_are_samples() {
 }
 
 #[test]
+fn points_in_other_units_than_the_mesh_are_noted() {
+    let folder = folder(&families::torus(40, 20, 2.0, 0.8).unwrap(), "");
+    let notes = |samples: &str| {
+        folder.write("samples.txt", samples);
+        let run = folder.run("curve mesh.obj --samples samples.txt --force -o curve.json");
+        assert_eq!(run.code, Some(0), "{}", run.stderr);
+        run.stderr
+    };
+    assert_eq!(notes("2.8 0 0\n-2.9 0.1 0\n0 2.7 0\n0 -2.8 0\n"), "");
+    let said = notes("# mm\n2800 0 0\n-2800 100 0\n0 2800 0\n0 -2800 0\n300\n");
+    assert!(said.starts_with("note: samples.txt:2: the point is 2.797e3 from the mesh"), "{said}");
+    assert!(said.contains("units of the mesh? 4 of 5 samples are as far"), "{said}");
+}
+
+#[test]
+fn commands_of_a_page_of_the_guide_write_different_files() {
+    for page in [
+        include_str!("../../../docs/guide/curves.md"),
+        include_str!("../../../docs/guide/newton.md"),
+        include_str!("../../../docs/guide/plants.md"),
+        include_str!("../../../docs/guide/slime.md"),
+    ] {
+        let is_command = |line: &&str| line.trim_start_matches("$ ").starts_with("catamaran ");
+        let output = |line: &'static str| line.split(" -o ").nth(1)?.split_whitespace().next();
+        let all: Vec<&str> = page.lines().filter(is_command).filter_map(output).collect();
+        let mut names = all.clone();
+        names.sort_unstable();
+        names.dedup();
+        assert!(names.len() == all.len() && all.len() > 3, "{all:?}");
+    }
+}
+
+#[test]
 fn points_of_smooth_curves_are_points_of_faces_of_the_mesh() {
     let mesh = families::torus(40, 20, 2.0, 0.8).unwrap();
     let folder = folder(&mesh, "2.8 0 0\n-2.8 0.1 0\n0 2.8 0\n0 0.2 0.7 0.1\n");
@@ -125,7 +158,9 @@ fn what_is_wrong_is_said_with_its_place() {
     }
     assert!(told("0\n1\n").contains("samples: must be at least 3, are 2"));
     assert!(told("0\n1\n1\n").contains("sample 2 is vertex 1, as sample 1"));
-    assert!(told("0\n1\n99\n").contains("site 2: vertex 99 is out of range: 84 vertices"));
+    // By its line, whatever lines are before it.
+    let far = told("# clicks\n0\n1\n\n99\n");
+    assert!(far.contains("catamaran: samples.txt:5: vertex 99 is out of range: 84"), "{far}");
     assert!(!folder.path("curve.json").exists());
     // An outcome, not an error: there is a file.
     folder.write("samples.txt", "0\n1\n42\n");

@@ -43,6 +43,41 @@ fn a_polynomial_is_drawn_as_its_roots_are() {
 }
 
 #[test]
+fn polynomials_with_roots_far_from_one_are_drawn_as_their_roots_are() {
+    let folder = Folder::new();
+    let drawn = |options: &str, extent: &str| {
+        folder.succeed(&format!("newton --size 40 --force -o a.png --extent {extent} {options}"));
+        pixels(&folder.path("a.png"))
+    };
+    for (polynomial, roots, extent) in [
+        ("(z^2-1e-10)(z^2-4e-10)", "-2e-5,0:-1e-5,0:1e-5,0:2e-5,0", "6e-5"),
+        ("1e300z^2-1e300", "-1,0:1,0", "3"),
+        ("(z^2-1e6)(z^2-4e6)", "-2e3,0:-1e3,0:1e3,0:2e3,0", "6e3"),
+    ] {
+        let written = drawn(&format!("--polynomial={polynomial}"), extent);
+        let given = drawn(&format!("--roots={roots}"), extent);
+        let different = written.iter().zip(&given).filter(|(a, b)| a != b).count();
+        assert!(different <= 8, "{polynomial}: {different} pixels");
+    }
+    // Four basins of about the same size.
+    for (polynomial, extent) in [("z^4-1e-20", "3e-5"), ("z^4-1e12", "3e3")] {
+        let mut colors = drawn(&format!("--polynomial={polynomial}"), extent);
+        colors.sort_unstable();
+        let largest = colors.chunk_by(|a, b| a == b).map(<[_]>::len).max().unwrap();
+        assert!(largest <= 40 * 40 / 3, "{polynomial}: {largest} pixels of one colour");
+    }
+    // The third roots of 1e30 and 1e15.
+    for (polynomial, re) in [("z^3-1e30", -5e9), ("z^3-1e15", -5e4)] {
+        let said = folder.fail(&format!("newton --polynomial {polynomial} -o b.png"));
+        let (_, root) = said.split_once("--polynomial: root 0 must be within +-1e4, is [").unwrap();
+        let found: f64 = root.split(',').next().unwrap().parse().unwrap();
+        assert!((found / re - 1.0).abs() < 1e-9, "{said}");
+    }
+    let said = folder.fail("newton --polynomial z^4-1e-60 -o b.png");
+    assert!(said.contains("--polynomial: the largest root must be 0 or at least 1e-12"), "{said}");
+}
+
+#[test]
 fn a_mesh_gets_colours_and_a_texture() {
     let folder = Folder::new();
     folder.write(
@@ -59,6 +94,13 @@ fn a_mesh_gets_colours_and_a_texture() {
     assert!(folder.fail("newton square.obj --uv -o texture.ply").contains(".png"));
     folder.write("bare.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     assert!(folder.fail("newton bare.obj --uv -o t.png").contains("no texture coordinates"));
+    // Points have colours, and no picture.
+    folder.write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
+    folder.succeed("newton points.obj -o points.ply");
+    for options in ["--picture p.png", "--uv -o p.png"] {
+        let said = folder.fail(&format!("newton points.obj {options}"));
+        assert!(said.contains("points.obj: has no faces"), "{said}");
+    }
 }
 
 #[test]
@@ -343,6 +385,9 @@ fn options_of_meshes_and_of_volumes_exclude_each_other() {
         "square.obj --opacity slow -o b.ply",
         "square.obj --compress -o b.ply",
         "--uv --basins 0 -o b.png",
+        "--volume --weld -o b.npy",
+        "--volume --drop-specks 0.3 -o b.npy",
+        "--volume --strict -o b.npy",
     ] {
         let run = folder.run(&format!("newton --size 16 {options}"));
         assert_eq!(run.code, Some(2), "{options}: {}", run.stderr);
@@ -410,6 +455,15 @@ fn what_is_wrong_is_said() {
         ),
         ("newton --w 1e300 -o a.png", "--w: must be from -1000000000 to 1000000000, is 1e300"),
         ("newton --extent 0 -o a.png", "--extent"),
+        ("newton --scale 0 -o a.png", "--scale 0: makes one point of all"),
+        (
+            "newton --volume -o v.png",
+            "v.png: voxels are written as .vti, .nrrd, a mesh such as .ply or a table",
+        ),
+        (
+            "newton --volume -o v.vti --heights h.png",
+            "h.png: the convergence of voxels is written as .vti, .nrrd or a table",
+        ),
         ("newton --volume --size 3x4 -o a.npy", "the same number along each side"),
         ("newton --theta 99 -o a.png", "theta"),
         ("newton -o a.ply", ".png"),
@@ -433,6 +487,9 @@ fn what_is_wrong_is_said() {
         ("newton --basins 0 -o a.png", "--volume"),
         ("newton --volume --basins x -o a.ply", "numbers of roots"),
         ("newton --fps 3 -o a.png", "--frames"),
+        ("newton --weld -o a.png", "required arguments were not provided"),
+        ("newton --drop-specks 0.3 -o a.png", "required arguments were not provided"),
+        ("newton --strict -o a.png", "required arguments were not provided"),
         ("newton --frames 0 --w-to 1 -o a.gif", "from 1 to 100000"),
         ("newton --frames 0 --w-to 1 -o a.png", "from 1 to 100000"),
         ("newton --frames 2 --w-to 1 --fps 99 -o a.gif", "from 0.1 to 50"),

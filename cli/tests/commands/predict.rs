@@ -187,13 +187,13 @@ fn infinities_are_refused_with_the_column_of_the_table() {
     folder.write("new.csv", "b,a\n2,1\n3,inf\n");
     for missing in ["error", "nan"] {
         let message = folder.fail(&format!("predict fit.json new.csv --missing {missing}"));
-        let says = "catamaran: new.csv: inf in row 1 (counted from 0), column 1 (a)\n";
+        let says = "catamaran: new.csv: inf at row 1, column 1 (a), counted from 0\n";
         assert!(message.ends_with(says), "{message}");
     }
     let folder = numbered();
     folder.write_npy("new.npy", &[2, 2], &[10.0, 1.0, 30.0, f64::NAN]);
     let message = folder.fail("predict fit.json new.npy");
-    assert!(message.ends_with("new.npy: NaN in row 1 (counted from 0), column 1\n"), "{message}");
+    assert!(message.ends_with("new.npy: NaN at row 1, column 1 (counted from 0)\n"), "{message}");
 }
 
 #[test]

@@ -142,8 +142,41 @@ fn species_have_channels_and_meshes_without_coordinates_an_atlas() {
     let said =
         folder.succeed("slime bare.obj --config r.ini --size 32 --species 3 --steps 3 -o three");
     assert!(said.contains("2 charts") && said.contains("species 2"), "{said}");
-    folder.succeed("slime bare.obj --config c.toml --species 4 --steps 2 -o four");
-    assert!(folder.path("four/frame-0002-species3.png").exists());
+    let said = folder.succeed("slime bare.obj --config c.toml --species 4 --steps 20 -o four");
+    assert!(folder.path("four/frame-0020-species3.png").exists() && said.contains("8 files"));
+    // The material of the mesh shows all of them, each in its colour.
+    let material = fs::read_to_string(folder.path("four/mesh.mtl")).unwrap();
+    assert!(material.ends_with("\nmap_Kd mesh.png\n"), "{material}");
+    let (size, bytes, picture) = pixels(&folder, "four/mesh.png");
+    assert_eq!((size, bytes), (64, 3));
+    for s in 0..4 {
+        let own = pixels(&folder, &format!("four/frame-0020-species{s}.png")).2;
+        let most = (0..own.len()).max_by_key(|&t| own[t]).unwrap();
+        assert!(picture[3 * most..3 * most + 3] != [40, 44, 52], "species {s}");
+    }
+    assert!(
+        folder
+            .fail("slime bare.obj --config c.toml --species 4 --steps 9 -o four")
+            .contains("exists already")
+    );
+    folder.succeed("slime bare.obj --config c.toml --species 4 --steps 2 -o rich --material");
+    assert!(!folder.path("rich/mesh.png").exists());
+}
+
+#[test]
+fn species_without_agents_are_noted() {
+    let folder = folder();
+    for (options, says) in [
+        ("--agents 0", "note: 1 of 1 species have no agents (--agents 0)"),
+        ("--agents 2 --species 3", "note: 1 of 3 species have no agents (--agents 2)"),
+        ("--agents 3 --species 3", ""),
+    ] {
+        let run = "slime square.obj --config c.toml --steps 1 --force -o out";
+        let run = folder.run(&format!("{run} {options}"));
+        assert_eq!(run.code, Some(0), "{}", run.stderr);
+        assert!(run.stderr.contains(says), "{options}: {}", run.stderr);
+        assert!(!says.is_empty() || !run.stderr.contains("no agents"), "{}", run.stderr);
+    }
 }
 
 #[test]
@@ -187,6 +220,13 @@ fn what_is_wrong_is_named() {
     folder.write("grey.png", "no picture");
     let said = folder.fail("slime square.obj --config c.toml -o out --mask grey.png");
     assert!(said.contains("grey.png"), "{said}");
+    // A mask of obstacles alone.
+    let file = fs::File::create(folder.path("walls.png")).unwrap();
+    let mut encoder = png::Encoder::new(file, 1, 1);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.write_header().unwrap().write_image_data(&[0, 255, 0]).unwrap();
+    let said = folder.fail("slime square.obj --config c.toml -o out --mask walls.png");
+    assert!(said.contains("--mask walls.png: has no texel on the surface where"), "{said}");
     // A header that announces 240 GB of pixels, and none of them.
     let file = fs::File::create(folder.path("large.png")).unwrap();
     let mut encoder = png::Encoder::new(file, 200_000, 200_000);
@@ -347,7 +387,10 @@ fn a_tile_repeats_without_a_seam() {
         run.stderr
     };
     assert!(refused("slime square.obj --tile -o other").contains("--tile"));
-    assert!(refused("slime --tile --atlas -o other").contains("--atlas"));
+    for option in ["--atlas", "--weld", "--drop-specks=0.3", "--strict"] {
+        let said = refused(&format!("slime --tile {option} -o other"));
+        assert!(said.contains("cannot be used with"), "{option}: {said}");
+    }
     assert!(refused("slime -o other").contains("<MESH>"));
     folder.write("p.toml", "size = 64\ntangent_step = \"project\"\n");
     assert!(folder.fail("slime --tile --config p.toml -o other").contains("tangent_step"));

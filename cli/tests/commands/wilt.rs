@@ -69,6 +69,91 @@ fn damage_and_nights_show() {
     );
 }
 
+/// A stem of nodes 1 cm apart, of which the last five are on leaves, in the format of the thesis.
+fn stem(nodes: usize, radius: f64) -> String {
+    let leaf = |i: usize| usize::from(i + 5 >= nodes);
+    let node = |i: usize| format!("{i},0,0,{},{radius},{}\n", 0.01 * (i + 1) as f64, leaf(i));
+    let vertices: String = (0..nodes).map(node).collect();
+    let edges: String = (1..nodes).map(|i| format!("{},{i}\n", i - 1)).collect();
+    format!("verts {nodes}\n{vertices}edges {}\n{edges}", nodes - 1)
+}
+
+#[test]
+fn an_upright_stem_buckles_as_it_dries() {
+    let folder = Folder::new();
+    folder.write("upright.txt", stem(20, 1e-3));
+    let dry = "wilt upright.txt --delta 5000 --hours 200 --frames 4";
+    let highest = |name: &str| {
+        let tubes = ring_centres(&obj_vertices(&folder, name));
+        tubes.iter().map(|p| p[2]).fold(f64::MIN, f64::max)
+    };
+    folder.succeed(&format!("{dry} --mesh obj -o rest"));
+    assert!((highest("rest/plant-000.obj") - 0.2).abs() < 1e-6);
+    assert!(highest("rest/plant-004.obj") < 0.05, "{}", highest("rest/plant-004.obj"));
+    folder.succeed(&format!("{dry} --motion 8 --mesh obj -o film"));
+    assert!(highest("film/plant-004.obj") < 0.15, "{}", highest("film/plant-004.obj"));
+}
+
+#[test]
+fn moments_of_a_thick_plant_are_drawn_beside_each_other() {
+    let folder = Folder::new();
+    folder.write("thick.txt", stem(15, 0.3));
+    folder.succeed("wilt thick.txt --frames 6 --delta 200 --mesh none -o out");
+    let file = std::fs::File::open(folder.path("out/wilting.png")).unwrap();
+    let mut reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().unwrap();
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut bytes).unwrap();
+    let (width, samples) = (info.width as usize, info.color_type.samples());
+    let is_blank = |x: usize| {
+        let rows = bytes[..info.buffer_size()].chunks(info.line_size);
+        rows.map(|row| &row[samples * x..samples * x + 3]).all(|p| p.iter().all(|&c| c > 245))
+    };
+    // Left of the scale of the colours.
+    let columns: Vec<bool> = (0..width - 130).map(is_blank).collect();
+    let starts = columns.windows(2).filter(|pair| pair[0] && !pair[1]).count();
+    assert_eq!(starts, 7);
+}
+
+#[test]
+fn results_of_an_earlier_run_stay_and_are_noted() {
+    let folder = Folder::new();
+    let run = |rest: &str| {
+        let run =
+            folder.run(&format!("wilt --grow 9 --hours 2 --frames 2 --mesh none -o out {rest}"));
+        assert_eq!(run.code, Some(0), "{}", run.stderr);
+        run.stderr
+    };
+    assert_eq!(run("--animation --stomata 0.8,25"), "");
+    let note = "note: out: files that this run does not write stay: ";
+    assert_eq!(run("--force"), format!("{note}wilting.glb, balance.csv\n"));
+    assert_eq!(run("--force --animation"), format!("{note}balance.csv\n"));
+    assert!(folder.path("out/balance.csv").exists());
+    assert_eq!(run("--force --animation --soil 1"), "");
+}
+
+#[test]
+fn plants_in_wrong_units_are_noted_and_little_water_has_digits() {
+    let folder = Folder::new();
+    folder.write("stem.txt", stem(13, 1e-3));
+    let run = |options: &str| {
+        let run = folder.run(&format!(
+            "wilt stem.txt --hours 1 --frames 1 --mesh none --force -o out {options}"
+        ));
+        assert_eq!(run.code, Some(0), "{}", run.stderr);
+        (run.stdout, run.stderr)
+    };
+    assert_eq!(run("").1, "");
+    let thick = run("--unit 1,1000").1;
+    assert!(thick.contains("has a radius of 1.000 metres, but the plant spans 0.130"), "{thick}");
+    let (said, small) = run("--unit 0.001");
+    assert!(small.contains("stem.txt: the plant spans 1.30e-4 metres"), "{small}");
+    assert!(said.contains("e-10 g at first") && !said.contains("0.0000 g at"), "{said}");
+    folder.write("line.obj", "v 0 0 0\nv 0 0 0.1\nv 0 0 0.2\nl -3 -2 -1\n");
+    let noted = folder.run("wilt line.obj --hours 1 --frames 1 --mesh none -o line").stderr;
+    let says = "note: line.obj: no segment leads to the root, node 0: one of 0.100 m is added";
+    assert!(noted.contains(says), "{noted}");
+}
+
 #[test]
 fn refusals_say_what_is_wrong_and_write_nothing() {
     let folder = Folder::new();
@@ -91,6 +176,10 @@ fn refusals_say_what_is_wrong_and_write_nothing() {
         (
             "--kappa 1e9 --steepest-at 2",
             "--kappa, --steepest-at: elasticity: steepness 1000000000 and shift 2",
+        ),
+        (
+            "--delta 1e300",
+            "little.txt: --hours 48, --delta 1e300, --conductance 1e-9: seconds must be at most",
         ),
     ] {
         let refused = folder.fail(&format!("wilt little.txt -o out {arguments}"));
@@ -163,6 +252,7 @@ fn values_out_of_range_are_named_as_they_were_given() {
         ("--delta <LOSS>", "-1", from_zero),
         ("--delta <LOSS>", "nan", from_zero),
         ("--kappa <K|PART=K,...>", "leaf=0", "with a steepness K above 0"),
+        ("--kappa <K|PART=K,...>", "leaf=1,leaf=2", "leaf is there twice"),
         ("--kappa-by-radius <MM=K,...>", "2=3,1=4", "with radii MM that ascend"),
         ("--steepest-at <W>", "nan", "expected a finite number"),
         ("--elasticity <FULL,DRY>", "inf,1", "expected 2 finite numbers"),
@@ -619,6 +709,10 @@ fn leaves_are_fitted_by_treatment_and_an_unseen_one_follows() {
         assert!(!folder.path("wrong").exists());
     };
     fails("--fit leaves.csv --weather air.csv --unseen D", "--unseen D: leaves.csv has no such");
+    fails(
+        "--fit leaves.csv --weather air.csv --unseen 1,2,9,10,11,12",
+        "--unseen: leaves.csv: treatment \"wet\" has no other leaf",
+    );
     fails("--fit leaves.csv --weather leaves.csv", "has no column \"temperature\"");
     fails("--fit air.csv --weather air.csv", "has no column \"sample\"");
     fails("--weather air.csv", "--fit");
@@ -627,6 +721,8 @@ fn leaves_are_fitted_by_treatment_and_an_unseen_one_follows() {
     fails("--fit leaves.csv --weather air.csv --instrument 0", "--instrument");
     fails("--grow 9 --fit leaves.csv --unseen A", "cannot be used with");
     let text = std::fs::read_to_string(folder.path("leaves.csv")).unwrap();
+    folder.write("semicolons.csv", text.replace(',', ";"));
+    fails("--fit semicolons.csv --weather air.csv", "semicolons separate the columns");
     folder.write("dry.csv", text.replace("0.5,6,120", "7,6,120"));
     fails("--fit dry.csv --weather air.csv", "1: its dry weight must be at least 0 and below");
     folder.write("area.csv", text.replace("0.5,6,120", "0.5,6,-120"));

@@ -178,7 +178,8 @@ impl Run<'_> {
                 .set_arg(&p.shift)
                 .set_arg(&p.scale)
                 .set_arg(&p.offset)
-                .set_arg(&p.nearest);
+                .set_arg(&p.nearest)
+                .set_arg(&p.arrived);
         }
         // SAFETY: the arguments are those set above, and `items` groups of lanes lie within the
         // buffers, which outlive the work in the queue, because reading them waits for it.

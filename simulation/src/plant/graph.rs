@@ -8,6 +8,9 @@ pub(crate) const NONE: u32 = u32::MAX;
 /// A plant that spans more, in metres, is not in metres: the tallest tree has 116.
 const TALLEST: f64 = 120.0;
 
+/// A plant that spans less, in metres, is not in metres, but for a few duckweeds.
+const SMALLEST: f64 = 1e-3;
+
 /// A straight segment of stem, branch or vein. It is identified by the node of the plant at its
 /// end.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -190,7 +193,8 @@ impl Plant {
         {
             return refused("base".into(), format!("position {base:?} is not finite"));
         }
-        let base = base.filter(|&b| distance(b, tail) > 0.0).unwrap_or_else(|| {
+        let given = base.filter(|&b| distance(b, tail) > 0.0);
+        let base = given.unwrap_or_else(|| {
             let child = parents.iter().position(|&p| p == root);
             match child.map(|c| segments[c].tail) {
                 Some(next) => [0, 1, 2].map(|i| 2.0 * tail[i] - next[i]),
@@ -201,13 +205,19 @@ impl Plant {
         let mut plant = Self { segments, parents, lengths, root, base, notes };
         plant.lengths =
             (0..plant.len()).map(|v| distance(plant.head(v), plant.segments[v].tail)).collect();
-        match plant.lengths.iter().position(|&h| h.is_nan() || h <= 0.0 || h.is_infinite()) {
-            Some(v) => refused(
-                format!("node {v}"),
-                format!("the length of its segment must be positive, is {}", plant.lengths[v]),
-            ),
-            None => Ok(plant),
+        let wrong = |&h: &f64| h.is_nan() || h <= 0.0 || h.is_infinite();
+        if let Some(v) = plant.lengths.iter().position(wrong) {
+            let what =
+                format!("the length of its segment must be positive, is {}", plant.lengths[v]);
+            return refused(format!("node {v}"), what);
         }
+        if given.is_none() {
+            let length = metres(plant.lengths[root as usize]);
+            plant.notes.push(format!(
+                "no segment leads to the root, node {root}: one of {length} m is added below it"
+            ));
+        }
+        Ok(plant)
     }
 
     /// Returns the number of segments, at least 1.
@@ -267,16 +277,18 @@ impl Plant {
     }
 
     /// Returns what the reader of the file had to assume, such as radii that the file does not
-    /// have; one sentence each.
+    /// have, or the segment of the root; one sentence each.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
 
-    pub(crate) fn with_notes(self, notes: Vec<String>) -> Self {
-        Self { notes, ..self }
+    pub(crate) fn noting(mut self, notes: impl IntoIterator<Item = String>) -> Self {
+        self.notes.extend(notes);
+        self
     }
 
-    /// Notes the extent of the plant, base included, if it is that of no plant in metres.
+    /// Notes the extent of the plant, base included, and its largest radius if they are those of no
+    /// plant in metres.
     pub(crate) fn noting_span(mut self) -> Self {
         let span = |i: usize| {
             let tails = self.segments.iter().map(|s| s.tail[i]);
@@ -288,6 +300,22 @@ impl Plant {
             self.notes.push(format!(
                 "the plant spans {span:.0} metres, more than any tree: files do not state their \
                  units"
+            ));
+        }
+        if span < SMALLEST {
+            self.notes.push(format!(
+                "the plant spans {} metres, less than any stem: files do not state their units",
+                metres(span)
+            ));
+        }
+        let radius = |v: &usize| self.segments[*v].radius;
+        let thickest = (0..self.len()).max_by(|a, b| radius(a).total_cmp(&radius(b)));
+        if let Some(v) = thickest.filter(|v| radius(v) > span) {
+            self.notes.push(format!(
+                "node {v} has a radius of {} metres, but the plant spans {}: files do not state \
+                 their units",
+                metres(radius(&v)),
+                metres(span)
             ));
         }
         self
@@ -320,6 +348,12 @@ impl Plant {
         }
         order
     }
+}
+
+/// Formats a length in metres, with three digits or more.
+fn metres(length: f64) -> String {
+    const SHORT: f64 = 0.1;
+    if length < SHORT { format!("{length:.2e}") } else { format!("{length:.3}") }
 }
 
 fn check_segments(segments: &[Segment]) -> Result<()> {
@@ -429,6 +463,10 @@ mod tests {
         segments[0].tail = [0.0; 3];
         let plant = Plant::from_edges(segments, &[[0, 1], [1, 2]], None).unwrap();
         assert_eq!(plant.base(), [0.0, 0.0, -0.2]);
+        let note = "no segment leads to the root, node 0: one of 0.200 m is added below it";
+        assert_eq!(plant.notes(), [note]);
+        let given = Plant::from_edges(line(2), &[[0, 1]], None).unwrap();
+        assert!(given.notes().is_empty(), "{:?}", given.notes());
     }
 
     #[test]

@@ -43,7 +43,6 @@ typedef JOIN(ushort, LANES) small;
 
 #define ZERO 1e-30f
 #define ENDLESS 1e30f
-#define ARRIVED 1e-10f
 #define LONG 30.0f
 #define TO_NEAREST 12582912.0f
 
@@ -179,9 +178,9 @@ inline real root_of(number z, uint degree, __global const float2 *roots, int has
 // The arguments that all points have in common; see Parameters in simulation/src/texture/newton/options.rs.
 #define COMMON                                                                                     \
     __global const float2 *roots, int has_roots, uint degree, uint steps, int squared, float gain,  \
-        float factor, float shift, float scale, float4 offset, float nearest
+        float factor, float shift, float scale, float4 offset, float nearest, float arrived
 #define COMMON_NAMES                                                                               \
-    roots, has_roots, degree, steps, squared, gain, factor, shift, scale, offset, nearest
+    roots, has_roots, degree, steps, squared, gain, factor, shift, scale, offset, nearest, arrived
 
 inline void iterate(real x, real y, real z, size_t at, __global ushort *numbers,
                     __global float *convergence, COMMON) {
@@ -208,7 +207,7 @@ inline void iterate(real x, real y, real z, size_t at, __global ushort *numbers,
         sum = SELECT(active, sum + excess / (excess + 1.0f), sum);
         alpha = select_number(active, next_alpha, alpha);
         beta = select_number(active, next_beta, beta);
-        active = active & (step2 >= ARRIVED);
+        active = active & (step2 >= arrived);
         if (!ANY(active)) {
             break;
         }

@@ -271,6 +271,9 @@ fn read_curves(table: LeafTable<'_>, groups: &mut [LeafGroup]) -> Result<()> {
     Ok(())
 }
 
+/// Separators of columns that are not read, as spreadsheets write them.
+const SEPARATORS: [(char, &str); 2] = [(';', "semicolons"), ('\t', "tabs")];
+
 /// The rows of a table.
 struct Table<'a> {
     path: &'a Path,
@@ -292,6 +295,12 @@ impl<'a> Table<'a> {
         // Spreadsheets begin text with a byte order mark.
         let mut lines = table.text.trim_start_matches('\u{feff}').lines();
         let header = cells(lines.next().unwrap_or_default());
+        if let [only] = header[..]
+            && let Some((_, what)) = SEPARATORS.into_iter().find(|(other, _)| only.contains(*other))
+        {
+            let what = format!("{what} separate the columns {only:?}: commas must");
+            return Err(Error::file(table.path, what));
+        }
         for (i, name) in header.iter().enumerate() {
             if header[..i].iter().any(|other| !name.is_empty() && name.eq_ignore_ascii_case(other))
             {
@@ -442,6 +451,11 @@ mod tests {
         says_of(&drying, &air.replace(",30", ",300"), "a.csv:3: humidity 300: must be from 0 to");
         let fractions = air.replace(",40", ",0.4").replace(",30", ",0.3");
         says_of(&drying, &fractions, "a.csv: no humidity is above 1 %: it must be in %");
+        for (separator, what) in [(";", "semicolons"), ("\t", "tabs")] {
+            let says = format!("l.csv: {what} separate the columns \"sample{separator}dry.weight");
+            let says = says.replace('\t', "\\t");
+            says_of(&drying.replace(',', separator), air, &says);
+        }
         let twice = drying.replace("leaf.area", "Sample");
         says_of(&twice, air, "l.csv: has two columns \"Sample\"");
         let backwards = air.replace("2019-03-27 00", "2019-03-25 00");

@@ -23,7 +23,8 @@ pub enum PlantFormat {
     /// the origin, where its segment begins. `on_leaf` and `fixed` are 0 or 1.
     Reference,
     /// Neuron and tree skeletons (Cannon et al. 1998): lines `id type x y z radius parent`, parent
-    /// -1 for the root, in metres. Type 7 ("custom") marks veins of leaves.
+    /// -1 for the root, in metres. Type 7 ("custom") marks veins of leaves. A segment is added
+    /// below the root, as by [`Plant::new`].
     Swc,
     /// Multiscale tree graphs (Godin and Caraglio 1998) of one plant (of several:
     /// [`ReadOptions::individual`]), with coordinates (columns `XX`, `YY`, `ZZ`) or else lengths
@@ -35,8 +36,8 @@ pub enum PlantFormat {
     /// `P...` (petiole) their stalks.
     Mtg,
     /// Wavefront OBJ with `v x y z [radius]` and polylines `l`: in metres; the default radius is 1
-    /// mm. The root is the first vertex of the first line. End points at which no line continues
-    /// are on leaves.
+    /// mm. The root is the first vertex of the first line; a segment is added below it, as by
+    /// [`Plant::new`]. End points at which no line continues are on leaves.
     Obj,
 }
 

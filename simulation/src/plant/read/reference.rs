@@ -39,7 +39,7 @@ pub(super) fn read(lines: &mut Lines<'_>, [length, thickness]: [f64; 2]) -> Resu
     }
     let plant = Plant::from_edges(segments, &edges, None)?;
     let note = far_root(&plant);
-    Ok(plant.with_notes(note.into_iter().collect()))
+    Ok(plant.noting(note))
 }
 
 /// Returns a note on a root far from the origin, where its segment begins.

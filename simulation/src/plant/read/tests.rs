@@ -96,6 +96,38 @@ fn every_format_is_read_in_its_units_and_notes_what_is_no_plant_in_metres() {
 }
 
 #[test]
+fn a_segment_that_is_added_below_the_root_is_noted() {
+    let note = |plant: Plant| plant.notes().join("; ");
+    let read = |text: &str, format| note(read_bytes(text.as_bytes(), format).unwrap());
+    let added = "no segment leads to the root, node 0: one of 0.100 m is added below it";
+    let line = "v 0 0 0\nv 0 0 0.1\nv 0 0 0.2\nl -3 -2 -1\n";
+    assert_eq!(read(line, PlantFormat::Obj), added);
+    let swc = "1 3 0 0 0 .001 -1\n2 3 0 0 .1 .001 1\n3 7 0 0 .2 .001 2\n";
+    assert_eq!(read(swc, PlantFormat::Swc), added);
+    let rows = "/E1\t0\t0\t0\t.01\n^<E2\t0\t0\t.1\t.01\n";
+    let mtg = format!("MTG:\nTOPO\tXX\tYY\tZZ\tDiam\n{rows}");
+    assert_eq!(read(&mtg, PlantFormat::Mtg), added);
+    // With lengths it begins at the origin.
+    let rows = "/E1\t.1\t.01\n^<E2\t.1\t.01\n";
+    assert_eq!(read(&format!("MTG:\nTOPO\tLength\tDiam\n{rows}"), PlantFormat::Mtg), "");
+    let text = "verts 2\n0,0,0,.1,.002,0\n1,0,0,.2,.002,1\nedges 1\n0,1\n";
+    assert_eq!(read(text, PlantFormat::Reference), "");
+}
+
+#[test]
+fn plants_that_are_too_small_or_thicker_than_large_are_noted() {
+    let notes = |length: f64, radius: f64| {
+        let text = format!("verts 1\n0,0,0,{length},{radius},0\nedges 0\n");
+        read_bytes(text.as_bytes(), PlantFormat::Reference).unwrap().notes().join("; ")
+    };
+    assert_eq!(notes(0.13, 1e-3), "");
+    let small = notes(0.13e-3, 1e-6);
+    assert!(small.starts_with("the plant spans 1.30e-4 metres, less than any stem"), "{small}");
+    let thick = notes(0.13, 1.25);
+    assert!(thick.starts_with("node 0 has a radius of 1.250 metres, but the plant spans 0.130"));
+}
+
+#[test]
 fn mtg_is_read() {
     let text = "CODE:\tFORM-A\nFEATURES:\nMTG:\nENTITY-CODE\t\tXX\tYY\tZZ\tDiameter\n/P1\n/I1\t\t0\t0\t.1\t.004 # one\n\
                 ^<I2\t\t0\t0\t.2\t.004\n";
@@ -214,7 +246,8 @@ fn components_of_an_mtg_without_coordinates_are_merged() {
     let rows = "/P1/A1/U1/E1<<E9\t\t\t0\t0\t1\t.2\n^<E10\n\t+E1\t\t1\t0\t1\t.2\n";
     let plant = plant_of(POINTS, rows);
     assert_eq!(parents(&plant), [None, Some(0)]);
-    assert!(plant.notes()[0].contains("12 of 14 components"), "{:?}", plant.notes());
+    let notes = plant.notes();
+    assert!(notes.iter().any(|note| note.contains("12 of 14 components")), "{notes:?}");
 }
 
 #[test]
@@ -237,6 +270,29 @@ fn an_mtg_without_diameters_has_slender_segments_and_a_note() {
     let notes = |unit: f64| in_units(POINTS, rows, [unit; 2]).notes().join("; ");
     assert!(!notes(0.1).contains("spans"), "{}", notes(0.1));
     assert!(notes(2.0).contains("spans 796 metres"), "{}", notes(2.0));
+}
+
+#[test]
+fn notes_on_radii_of_an_mtg_say_which_they_are() {
+    let notes = |rows: &str| plant_of("Length\tDiam", rows).notes().join("; ");
+    let first = notes("/P1/A1/U1/E1\t\t\t1\t0\n^<E2\t\t\t1\t.2\n^<E3\t\t\t1\n");
+    let says = "2 of 3 segments have no diameter: they take that of their bearers, and the first \
+                one the largest";
+    assert!(first.contains(says), "{first}");
+    let lost = notes("/P1/A1/U1/E1\t\t\t1\n^<E2\t\t\t\t.2\n");
+    assert!(lost.contains("diameters only of components that are no segments: the radius is"));
+}
+
+#[test]
+fn what_an_mtg_has_beyond_its_header_is_noted() {
+    let one = "/P1/A1/U1/E1\t\t\t1\t.2\n";
+    let notes = |rows: &str| plant_of("Length\tDiam", rows).notes().join("; ");
+    assert!(!notes(one).contains("CLASSES") && !notes(one).contains("columns"), "{}", notes(one));
+    let unlisted = notes(&format!("{one}^<l2\t\t\t1\t.2\n"));
+    assert!(unlisted.contains("CLASSES does not list l: components of the finest"), "{unlisted}");
+    let beyond = notes(&format!("{one}^<E2\t\t\t1\t.2\t7\n^<E3\t\t\t1\t.2\t\n"));
+    let says = "cells beyond the 5 columns are not read: those of 1 line, such as \"7\"";
+    assert!(beyond.contains(says), "{beyond}");
 }
 
 #[test]
@@ -281,6 +337,13 @@ fn an_mtg_that_is_not_one_plant_with_a_shape_is_refused() {
     refused(POINTS, "/P1/A1/U1/E1\t\t\t0\tx\t1\n", "coordinate YY: \"x\" is not a finite number");
     refused(POINTS, "/P1/A1/U1/E1\t\t\t0\t\t1\n", "E1 has no coordinate YY");
     refused("Length\tDiam", "/P1/A1/U1/E1\t\t\t-2\t1\n", "length: must be at least 0, is -2");
+    // With the line, and in the unit of the file.
+    for (column, what) in
+        [("Radius", "radius"), ("Diam", "diameter"), ("BottomDia", "diameter at the base")]
+    {
+        let why = format!("plant.mtg:16: {what}: must be at least 0, is -0.8");
+        refused(&format!("Length\t{column}"), "/P1/A1/U1/E1\t\t\t1\t-0.8\n", &why);
+    }
     let two = "/P1/A1/U1/E1\t\t\t1\t.1\t.5\n";
     refused("Length\tRadius\tDiam", two, "E1 has a radius of 0.1 m, but half of its diameter is");
     refused("Length\tDiam\tTopDia", two, "two columns of one diameter, \"diam\" and \"topdia\"");

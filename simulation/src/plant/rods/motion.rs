@@ -261,12 +261,26 @@ impl Motion {
 
     /// Advances by one step. If Newton's method does not converge, as when a gust rotates twigs by
     /// more than a radian, the step is divided into two half steps, recursively: steps of any
-    /// length are stable.
+    /// length are stable. A plant that stands still in an unstable equilibrium, as a weak stem that
+    /// is upright, gets a push, always to the same side, under which it falls.
     ///
     /// # Errors
     /// [`Error::NotConverged`] when the equations are singular to rounding.
     pub fn step(&mut self) -> Result<()> {
+        self.push();
         self.advance(self.options.step, MOST_HALVINGS)
+    }
+
+    /// Starts the fall of a plant that stands still in an unstable equilibrium.
+    fn push(&mut self) {
+        /// Spins that count as none, and those of the push, in radians per second.
+        const STILL: f64 = 1e-9;
+        const PUSH: f64 = 1e-3;
+        if self.moving.spins.iter().all(|spin| norm(*spin) <= STILL)
+            && let Some(fall) = self.rods.unstable(&self.pose())
+        {
+            self.moving.spins = fall.iter().map(|a| scale(*a, PUSH)).collect();
+        }
     }
 
     fn advance(&mut self, seconds: f64, halvings: usize) -> Result<()> {

@@ -56,6 +56,12 @@ pub(super) type Factor<const N: usize> = Matrix<N>;
 /// matrix is not positive definite.
 pub(super) fn cholesky<const N: usize>(a: &Matrix<N>) -> Option<Factor<N>> {
     let mut l = [[0.0; N]; N];
+    (factor_rows(a, &mut l) == N).then_some(l)
+}
+
+/// Computes the rows of the factor up to the first whose pivot is not positive; returns their
+/// number.
+fn factor_rows<const N: usize>(a: &Matrix<N>, l: &mut Factor<N>) -> usize {
     for i in 0..N {
         for j in 0..=i {
             let sum = a[i][j] - (0..j).map(|k| l[i][k] * l[j][k]).sum::<f64>();
@@ -64,11 +70,25 @@ pub(super) fn cholesky<const N: usize>(a: &Matrix<N>) -> Option<Factor<N>> {
             } else if sum > 1e-14 * a[i][i].abs() && sum.is_finite() {
                 l[i][i] = 1.0 / sum.sqrt();
             } else {
-                return None;
+                return i;
             }
         }
     }
-    Some(l)
+    N
+}
+
+/// Returns x with `x^T A x <= 0`, to within rounding, for a symmetric matrix A, N >= 1, that is not
+/// positive definite; its lower triangle is read.
+pub(super) fn descent<const N: usize>(a: &Matrix<N>) -> [f64; N] {
+    let (mut l, mut x) = ([[0.0; N]; N], [0.0; N]);
+    let row = factor_rows(a, &mut l).min(N - 1);
+    // The form is the pivot of this row for the x whose product with the rows before is 0.
+    x[row] = 1.0;
+    for i in (0..row).rev() {
+        let sum: f64 = (i + 1..=row).map(|k| l[k][i] * x[k]).sum();
+        x[i] = -sum * l[i][i];
+    }
+    x
 }
 
 /// Returns `(L L^T)^-1 b`.
@@ -169,4 +189,26 @@ pub(super) fn rotation_matrix([w, x, y, z]: Quaternion) -> Matrix<3> {
         [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
         [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use catamaran::base::Rng;
+
+    #[test]
+    fn a_matrix_that_is_not_positive_definite_has_a_direction_of_descent() {
+        let mut rng = Rng::new(8);
+        let mut count = 0;
+        for _ in 0..200 {
+            let b: Matrix<3> = [0; 3].map(|_| [0; 3].map(|_| rng.normal()));
+            let mut a = times(&b, &transposed(&b));
+            (0..3).for_each(|i| a[i][i] -= 0.5);
+            let x = descent(&a);
+            let form: f64 = (0..3).map(|i| x[i] * image(&a, &x)[i]).sum();
+            assert!(cholesky(&a).is_some() || form <= 1e-9, "{a:?}: {form}");
+            count += usize::from(cholesky(&a).is_none());
+        }
+        assert!(count > 20 && count < 200, "{count}");
+    }
 }

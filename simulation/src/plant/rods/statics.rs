@@ -10,8 +10,8 @@ use faer::Mat;
 
 use super::pins::{Group, Pin, groups, pins, solve_forces, total_gap};
 use super::small::{
-    Matrix, add, cholesky, cross_matrix, image, reciprocal, rotation_matrix, solve, solve_matrix,
-    times, transposed, turned,
+    Matrix, add, cholesky, cross_matrix, descent, image, reciprocal, rotation_matrix, solve,
+    solve_matrix, times, transposed, turned,
 };
 use super::{Pose, Rods, joint};
 use catamaran::base::{Error, Progress, Result, options};
@@ -73,6 +73,15 @@ impl Factors {
     }
 }
 
+/// The largest torque out of balance, relative to the largest torque of a weight, and the largest
+/// rotation of a step, in radians, at which a pose may be at rest where the energy is largest in
+/// some direction, as an upright stem that is too weak.
+const BALANCED: f64 = 1e-4;
+const RESTING: f64 = 1e-3;
+
+/// The largest rotation of the first move away from such a pose, in radians.
+const TILT: f64 = 0.1;
+
 /// Residual below which Newton's method between pins needs no shift.
 const NEAR: f64 = 1e-3;
 
@@ -94,7 +103,8 @@ struct Nearer {
 }
 
 impl Rods {
-    /// Moves `pose` to an equilibrium near it; the energy decreases in every step.
+    /// Moves `pose` to an equilibrium near it; the energy decreases in every step. Unless pins hold
+    /// the ends of paths, the equilibrium is stable: a weak stem that stands upright buckles.
     ///
     /// # Errors
     /// [`Error::Shape`] for a pose of another plant; [`Error::NotConverged`], in which case `pose`
@@ -136,6 +146,21 @@ impl Rods {
             let is_small = residual <= options.tolerance && gap <= options.tolerance * length;
             if is_small && largest <= options.tolerance.max(1e-6) && used == 0.0 {
                 return Ok(Relaxation { iterations: iteration, residual });
+            }
+            let may_rest = residual <= BALANCED && largest <= RESTING;
+            if pins.is_empty()
+                && used > 0.0
+                && may_rest
+                && let Some(fall) = self.fall(&quadratic)
+            {
+                if self.tilt(pose, &fall) {
+                    shift = used;
+                    continue;
+                }
+                // All poses around a vertical axis have the same energy.
+                if is_small && largest <= options.tolerance.max(1e-6) {
+                    return Ok(Relaxation { iterations: iteration, residual });
+                }
             }
             let taken = self.line_search(pose, &step, &quadratic.gradient, &pins, &forces);
             shift = match taken {
@@ -302,6 +327,95 @@ impl Rods {
             pivots[v] = pivot;
         }
         Some(Factors { pivots, couplings, is_definite })
+    }
+
+    /// Returns rotations along which the energy of a pose in balance decreases to second order, the
+    /// largest of them by 1 radian; `None` if the matrix is positive definite. There are no pins.
+    ///
+    /// The pivot of a segment is the stiffness of the segment and of all that it bears while its
+    /// parent does not turn. The segments whose pivots are the first not to be positive definite,
+    /// from the leaves on, fall independently of each other.
+    fn fall(&self, quadratic: &Quadratic) -> Option<Vec<Vector>> {
+        let mut pivots = quadratic.diagonal.clone();
+        let mut couplings = vec![[[0.0; 3]; 3]; self.len()];
+        let mut falls: Vec<Option<Vector>> = vec![None; self.len()];
+        let mut bears_fall = vec![false; self.len()];
+        for &v in self.order.iter().rev() {
+            let v = v as usize;
+            let parent = self.parent(v);
+            if self.pinned[v] {
+                continue;
+            }
+            let factor = if bears_fall[v] { None } else { cholesky(&pivots[v]) };
+            match (factor, parent.filter(|&p| !self.pinned[p])) {
+                (Some(factor), Some(p)) => {
+                    couplings[v] = solve_matrix(&factor, &quadratic.coupling[v]);
+                    let up = times(&transposed(&quadratic.coupling[v]), &couplings[v]);
+                    add(&mut pivots[p], -1.0, &up);
+                }
+                (Some(_), None) => {}
+                (None, parent) => {
+                    falls[v] = (!bears_fall[v]).then(|| descent(&pivots[v]));
+                    if let Some(p) = parent {
+                        bears_fall[p] = true;
+                    }
+                }
+            }
+        }
+        falls.iter().any(Option::is_some).then(|| self.carried(&falls, &couplings))
+    }
+
+    /// Returns the rotations of all segments when some fall: those that they bear follow with the
+    /// least energy, and the others stay. The largest rotation is 1.
+    fn carried(&self, falls: &[Option<Vector>], couplings: &[Matrix<3>]) -> Vec<Vector> {
+        let mut turns = vec![[0.0; 3]; self.len()];
+        for &v in &self.order {
+            let v = v as usize;
+            turns[v] = match (falls[v], self.parent(v)) {
+                (Some(fall), _) => fall,
+                (None, Some(p)) => scale(image(&couplings[v], &turns[p]), -1.0),
+                (None, None) => [0.0; 3],
+            };
+        }
+        let largest = turns.iter().map(|a| norm(*a)).fold(0.0, f64::max);
+        turns.iter().map(|a| scale(*a, 1.0 / largest)).collect()
+    }
+
+    /// Returns rotations along which the energy of a pose decreases although its torques are in
+    /// balance, the largest of them by 1 radian; `None` for a pose that is stable to within
+    /// rounding or out of balance, and for rods with pins.
+    pub(super) fn unstable(&self, pose: &Pose) -> Option<Vec<Vector>> {
+        if !pins(self).is_empty() {
+            return None;
+        }
+        let loads = self.loads(&[], &[]);
+        if self.residual(pose, &loads) > BALANCED {
+            return None;
+        }
+        let fall = self.fall(&self.quadratic(pose, &loads))?;
+        self.tilt(&mut pose.clone(), &fall).then_some(fall)
+    }
+
+    /// Turns the segments of `pose` by a part of these rotations that reduces the energy by more
+    /// than rounding. Returns whether there is such a part.
+    fn tilt(&self, pose: &mut Pose, rotations: &[Vector]) -> bool {
+        const ROUNDING: f64 = 1e-12;
+        let weights = self.loads(&[], &[]);
+        let (before, size) = self.energy(pose, &weights);
+        let mut moved = pose.clone();
+        let mut angle = TILT;
+        for _ in 0..HALVINGS {
+            for (v, a) in rotations.iter().enumerate() {
+                moved.rotations[v] = turned(pose.rotations[v], scale(*a, angle));
+            }
+            self.place(&mut moved);
+            if self.energy(&moved, &weights).0 < before - ROUNDING * size {
+                std::mem::swap(pose, &mut moved);
+                return true;
+            }
+            angle *= 0.5;
+        }
+        false
     }
 
     /// Computes `H^-1 b` in place, for connected free segments, parents first.

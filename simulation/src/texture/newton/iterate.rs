@@ -21,8 +21,6 @@ pub(super) const UNREACHED: u16 = 1 << 15;
 const ZERO: f32 = 1e-30;
 /// |step|^2 that stands for a step to infinity.
 const ENDLESS: f32 = 1e30;
-/// A point has converged when |step|^2 is below this: the next step would be rounding error.
-const ARRIVED: f32 = 1e-10;
 /// A longer step counts as this long: 1 / (1 + exp(d + theta) - exp(theta)) is 0 for all theta.
 const LONG: f32 = 30.0;
 
@@ -139,7 +137,7 @@ fn iterate<S: Simd>(p: &Parameters, x: Lanes<S>, y: Lanes<S>, z: Lanes<S>) -> (L
         sum = active.select(sum + excess / (excess + x.all(1.0)), sum);
         alpha = Complex::select(active, next_alpha, alpha);
         beta = Complex::select(active, next_beta, beta);
-        active = active & !step2.is_below(x.all(ARRIVED));
+        active = active & !step2.is_below(x.all(p.arrived));
         if !active.any() {
             break;
         }

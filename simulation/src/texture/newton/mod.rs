@@ -22,6 +22,7 @@ mod options;
 mod palette;
 mod points;
 mod polynomial;
+mod roots;
 #[cfg(test)]
 mod tests;
 mod texels;

@@ -47,6 +47,8 @@ pub(crate) struct Parameters {
     pub offset: [f32; 4],
     /// The square of the distance from the null cone below which z^(1 - n) would overflow.
     pub nearest: f32,
+    /// A point has converged when |step|^2 is below this: the next step would be rounding error.
+    pub arrived: f32,
 }
 
 /// Bound of scaled coordinates, within which their squares and quotients are finite. The ranges of
@@ -54,6 +56,13 @@ pub(crate) struct Parameters {
 pub(super) const FARTHEST: f64 = 1e9;
 /// Bound of |z^(1 - n)|, within which its square is finite.
 const LARGEST: f64 = 1e18;
+/// [`Parameters::arrived`], unless all roots are small.
+const ARRIVED: f32 = 1e-10;
+/// The largest root below which [`ARRIVED`] shrinks with it: there the step is a thousandth of the
+/// root.
+const SMALL: f64 = 1e-2;
+/// The least size of the largest root: squares of shorter steps count as 0.
+const LEAST: f64 = 1e-12;
 
 impl NewtonOptions {
     /// Returns the parameters of the loops, or an error that names an option out of its range.
@@ -77,6 +86,11 @@ impl NewtonOptions {
                 roots.iter().map(|root| root.map(|x| x as f32)).collect()
             }
         };
+        let size = self.polynomial.largest_root();
+        if size > 0.0 && size < LEAST {
+            let why = format!("the largest root must be 0 or at least 1e-12 from 0, is {size:.1e}");
+            return out("polynomial", why);
+        }
         let iterations = self.iterations;
         if !(1..=1000).contains(&iterations) {
             return out("iterations", format!("must be from 1 to 1,000, is {iterations}"));
@@ -96,6 +110,12 @@ impl NewtonOptions {
             scale: self.scale as f32,
             offset: [x, y, z, self.w].map(|x| x as f32),
             nearest: LARGEST.powf(-2.0 / (n as f64 - 1.0).max(1.0)) as f32,
+            arrived: ARRIVED * arrival(size).powi(2),
         })
     }
+}
+
+/// Returns the length of the last step of a point, as a part of that of roots that are not small.
+fn arrival(size: f64) -> f32 {
+    if size > 0.0 { (size / SMALL).min(1.0) as f32 } else { 1.0 }
 }

@@ -1,6 +1,7 @@
-use faer::{Mat, c64};
+use faer::c64;
 
-use catamaran::base::{Error, Result, Sets};
+use super::roots;
+use catamaran::base::{Error, Result};
 
 /// The polynomial of a fractal.
 #[derive(Debug, Clone, PartialEq)]
@@ -8,8 +9,9 @@ pub enum Polynomial {
     /// z^n - 1, n from 2 to [`Polynomial::MOST_ROOTS`]. Root a is exp(2 pi i a / n).
     Power(u32),
     /// The product of all (z - root). A root is a real and an imaginary part within 1e4 of zero;
-    /// there are 1 to [`Polynomial::MOST_ROOTS`] roots. Root a is the a-th one. Convergence to a
-    /// multiple root is slow, and among equal roots the first one is reported.
+    /// there are 1 to [`Polynomial::MOST_ROOTS`] roots, of which the largest is 0 or at least 1e-12
+    /// from zero. Root a is the a-th one. Convergence to a multiple root is slow, and among equal
+    /// roots the first one is reported.
     Roots(Vec<[f64; 2]>),
 }
 
@@ -25,11 +27,21 @@ impl Polynomial {
         }
     }
 
+    /// Returns the distance of the largest root from 0.
+    pub(super) fn largest_root(&self) -> f64 {
+        match self {
+            Self::Power(_) => 1.0,
+            Self::Roots(roots) => roots.iter().map(|[re, im]| re.hypot(*im)).fold(0.0, f64::max),
+        }
+    }
+
     /// Creates the polynomial `c[0] z^n + c[1] z^(n - 1) + ... + c[n]`, where each c is a real and
     /// an imaginary part, in the order of numpy. Its roots are ordered by real, then by imaginary
-    /// part. They are the eigenvalues of the companion matrix, improved by Newton's method. Roots
-    /// that make the same polynomial, to within rounding, when they coincide are equal: the
-    /// eigenvalues of (z - 1)^5 are five numbers around 1.
+    /// part. They are the eigenvalues of the companion matrix, improved by Newton's method, or
+    /// where these are not good enough those of the iteration of Aberth and Ehrlich: the polynomial
+    /// with these roots has the given coefficients to within 1e-3 of the sizes of their terms, and
+    /// most often to rounding. Roots that make the same polynomial, to within rounding, when they
+    /// coincide are equal: the eigenvalues of (z - 1)^5 are five numbers around 1.
     ///
     /// ```
     /// use catamaran_simulation::texture::newton::Polynomial;
@@ -43,8 +55,8 @@ impl Polynomial {
     ///
     /// # Errors
     /// [`Error::Argument`] names "polynomial" when the polynomial is constant, has a degree above
-    /// [`Polynomial::MOST_ROOTS`], or has no finite roots; [`Error::NonFinite`] names a
-    /// coefficient.
+    /// [`Polynomial::MOST_ROOTS`] or no finite roots, or when its coefficients do not determine its
+    /// roots well enough; [`Error::NonFinite`] names a coefficient.
     pub fn from_coefficients(coefficients: &[[f64; 2]]) -> Result<Self> {
         if let Some(i) = coefficients.iter().position(|c| !c.iter().all(|x| x.is_finite())) {
             return Err(Error::NonFinite { what: "polynomial", index: (i, 0) });
@@ -62,120 +74,14 @@ impl Polynomial {
         if degree > Self::MOST_ROOTS {
             return refuse(format!("degree must be from 1 to {}, is {degree}", Self::MOST_ROOTS));
         }
-        let companion = Mat::from_fn(degree, degree, |i, j| match (i, j) {
-            (0, j) => -coefficients[j + 1] / coefficients[0],
-            (i, j) if i == j + 1 => c64::new(1.0, 0.0),
-            _ => zero,
-        });
-        let eigenvalues = companion.is_all_finite().then(|| companion.eigenvalues().ok());
-        let Some(found) = eigenvalues.flatten() else {
-            return refuse("the coefficients are too far apart to find the roots".into());
+        let found = match roots::roots(&coefficients) {
+            Ok(found) => found,
+            Err(why) => return refuse(why.into()),
         };
-        let found = merged(&coefficients, &found)
-            .unwrap_or_else(|| found.iter().map(|root| improved(&coefficients, *root)).collect());
         let mut roots: Vec<[f64; 2]> = found.iter().map(|root| [root.re, root.im]).collect();
         roots.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
         Ok(Self::Roots(roots))
     }
-}
-
-/// Returns the roots with multiple roots in place of the eigenvalues around them, which would have
-/// a basin each; `None` if there are no multiple roots. Eigenvalues are one root if the polynomial
-/// of that root has the given coefficients.
-fn merged(coefficients: &[c64], eigenvalues: &[c64]) -> Option<Vec<c64>> {
-    /// The largest and the smallest distance between neighbours around a multiple root, as parts of
-    /// the size of the largest root.
-    const FARTHEST: f64 = 0.3;
-    const NEAREST: f64 = 1e-9;
-    let size = eigenvalues.iter().map(|root| root.norm()).fold(0.0, f64::max);
-    let mut distance = FARTHEST * size;
-    while distance > NEAREST * size {
-        let groups = within(eigenvalues, distance);
-        let multiple = groups.iter().enumerate().any(|(i, group)| i != *group as usize);
-        let roots: Vec<c64> =
-            groups.iter().map(|g| center(coefficients, eigenvalues, &groups, *g)).collect();
-        if multiple && has_roots(coefficients, &roots) {
-            return Some(roots);
-        }
-        distance *= 0.5;
-    }
-    None
-}
-
-/// Returns a number for each eigenvalue, equal for those that a path of others connects, in steps
-/// of at most `distance`.
-fn within(eigenvalues: &[c64], distance: f64) -> Vec<u32> {
-    let count = eigenvalues.len();
-    let mut sets = Sets::new(count);
-    for i in 0..count {
-        for j in 0..i {
-            if (eigenvalues[i] - eigenvalues[j]).norm() <= distance {
-                sets.join(i as u32, j as u32);
-            }
-        }
-    }
-    (0..count as u32).map(|i| sets.find(i)).collect()
-}
-
-/// Returns the m-fold root that a group of m eigenvalues surrounds: the simple root of derivative
-/// m - 1 that is near their mean.
-fn center(coefficients: &[c64], eigenvalues: &[c64], groups: &[u32], group: u32) -> c64 {
-    let members = eigenvalues.iter().zip(groups).filter(|(_, other)| **other == group);
-    let (mut sum, mut count, mut derivative) = (c64::new(0.0, 0.0), 0.0, coefficients.to_vec());
-    for (root, _) in members {
-        if count > 0.0 {
-            derivative.pop();
-            let degree = derivative.len();
-            for (i, c) in derivative.iter_mut().enumerate() {
-                *c *= (degree - i) as f64;
-            }
-        }
-        sum += *root;
-        count += 1.0;
-    }
-    improved(&derivative, sum * (1.0 / count))
-}
-
-/// Returns whether a polynomial with these roots, and the first of these coefficients, has the
-/// others, too.
-fn has_roots(coefficients: &[c64], roots: &[c64]) -> bool {
-    /// Rounding errors of a coefficient, relative to the sum of the sizes of its terms.
-    const ROUNDING: f64 = 1e-13;
-    let mut product = vec![coefficients[0]];
-    let mut sizes = vec![coefficients[0].norm()];
-    for root in roots {
-        product.push(c64::new(0.0, 0.0));
-        sizes.push(0.0);
-        for i in (1..product.len()).rev() {
-            let (before, size) = (product[i - 1], sizes[i - 1]);
-            product[i] -= *root * before;
-            sizes[i] += root.norm() * size;
-        }
-    }
-    let mut all = product.iter().zip(coefficients).zip(&sizes);
-    all.all(|((found, given), size)| (*found - *given).norm() <= ROUNDING * size)
-}
-
-/// Returns the root after steps of Newton's method that reduce the value of the polynomial.
-fn improved(coefficients: &[c64], mut root: c64) -> c64 {
-    const STEPS: usize = 8;
-    for _ in 0..STEPS {
-        let (value, slope) = evaluate(coefficients, root);
-        let next = root - value / slope;
-        // The step is not finite where the slope is zero.
-        let better = evaluate(coefficients, next).0.norm() < value.norm();
-        if !better {
-            break;
-        }
-        root = next;
-    }
-    root
-}
-
-/// Returns the polynomial and its derivative at z, by Horner's rule.
-fn evaluate(coefficients: &[c64], z: c64) -> (c64, c64) {
-    let zero = c64::new(0.0, 0.0);
-    coefficients.iter().fold((zero, zero), |(value, slope), c| (value * z + c, slope * z + value))
 }
 
 #[cfg(test)]
@@ -258,6 +164,91 @@ mod tests {
         assert_eq!(distinct(&unity), 16);
         // (z - 1)^2 as written: both roots are exactly 1.
         assert_eq!(roots(&product(&[a; 2], one)), [a; 2]);
+    }
+
+    /// Asserts that each root is found once, to this part of its size.
+    fn finds(coefficients: &[[f64; 2]], wanted: &[[f64; 2]], tolerance: f64) {
+        let mut found = roots(coefficients);
+        assert_eq!(found.len(), wanted.len());
+        for &[re, im] in wanted {
+            let off = |root: &[f64; 2]| (root[0] - re).hypot(root[1] - im) / re.hypot(im);
+            let nearest =
+                (0..found.len()).min_by(|&i, &j| off(&found[i]).total_cmp(&off(&found[j])));
+            let nearest = found.swap_remove(nearest.unwrap());
+            assert!(off(&nearest) <= tolerance, "{nearest:?} in place of {re} + {im} i");
+        }
+    }
+
+    #[test]
+    fn roots_of_any_size_are_found() {
+        for (degree, power) in [
+            (4, -20),
+            (3, -21),
+            (3, 15),
+            (5, 15),
+            (3, 30),
+            (8, 12),
+            (8, 16),
+            (12, 18),
+            (20, 20),
+            (64, 128),
+            (64, -250),
+        ] {
+            let mut coefficients = vec![[0.0, 0.0]; degree + 1];
+            (coefficients[0], coefficients[degree]) = ([1.0, 0.0], [-(10_f64.powi(power)), 0.0]);
+            let size = 10_f64.powf(f64::from(power) / degree as f64);
+            let turn = |k: usize| std::f64::consts::TAU * k as f64 / degree as f64;
+            let wanted: Vec<[f64; 2]> =
+                (0..degree).map(|k| [size * turn(k).cos(), size * turn(k).sin()]).collect();
+            finds(&coefficients, &wanted, 1e-12);
+            // So are those of a multiple.
+            coefficients.iter_mut().flatten().for_each(|c| *c *= 1e-40);
+            finds(&coefficients, &wanted, 1e-12);
+        }
+        for factor in [1e300, 1e-300] {
+            let coefficients = [[factor, 0.0], [0.0, 0.0], [-factor, 0.0]];
+            finds(&coefficients, &[[-1.0, 0.0], [1.0, 0.0]], 1e-15);
+        }
+    }
+
+    #[test]
+    fn roots_of_widely_different_sizes_are_found() {
+        let one = c64::new(1.0, 0.0);
+        finds(&[[1.0, 0.0], [-1e10, 0.0], [1.0, 0.0]], &[[1e10, 0.0], [1e-10, 0.0]], 1e-15);
+        for wanted in [
+            vec![[1e-6, 0.0], [2e-6, 0.0], [1e3, 0.0], [-3e3, 0.0], [1.0, 0.0]],
+            vec![[1e-10, 0.0], [0.0, 2e-10], [1e10, 0.0], [0.0, -1e9], [1e4, 1e4], [-1e-3, 0.0]],
+        ] {
+            finds(&product(&wanted, one), &wanted, 1e-12);
+        }
+        // z^64 + 1e30 z^63 + 1, with powers that overflow.
+        let mut coefficients = vec![[0.0, 0.0]; 65];
+        (coefficients[0], coefficients[1], coefficients[64]) =
+            ([1.0, 0.0], [1e30, 0.0], [1.0, 0.0]);
+        let size = 1e-30_f64.powf(1.0 / 63.0);
+        let turn = |k: usize| std::f64::consts::PI * (2 * k + 1) as f64 / 63.0;
+        let mut wanted: Vec<[f64; 2]> =
+            (0..63).map(|k| [size * turn(k).cos(), size * turn(k).sin()]).collect();
+        wanted.push([-1e30, 0.0]);
+        finds(&coefficients, &wanted, 1e-12);
+        // Roots at 0 are exact beside others.
+        let found = roots(&product(&[[0.0, 0.0], [0.0, 0.0], [3e-9, 0.0]], one));
+        assert_eq!(found[..2], [[0.0, 0.0]; 2]);
+    }
+
+    #[test]
+    fn roots_that_coefficients_do_not_tell_are_refused() {
+        let mut many = vec![[1.0, 0.0]; 20];
+        many.push([1.5, 0.0]);
+        let steps: Vec<[f64; 2]> = (1..=30).map(|k| [f64::from(k), 0.0]).collect();
+        for wanted in [many, steps] {
+            let coefficients = product(&wanted, c64::new(1.0, 0.0));
+            let refused = Polynomial::from_coefficients(&coefficients).unwrap_err().to_string();
+            assert!(refused.contains("polynomial: roundings of the coefficients"), "{refused}");
+        }
+        // The roots 1 to 10 are told well enough.
+        let steps: Vec<[f64; 2]> = (1..=10).map(|k| [f64::from(k), 0.0]).collect();
+        finds(&product(&steps, c64::new(1.0, 0.0)), &steps, 1e-8);
     }
 
     #[test]

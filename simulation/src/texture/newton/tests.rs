@@ -206,6 +206,29 @@ fn a_power_and_its_roots_are_the_same_polynomial() {
 }
 
 #[test]
+fn small_roots_have_the_basins_of_larger_ones() {
+    let at = |size: f64| {
+        let roots = [[1.0, 0.5], [-0.5, 0.8], [-1.25, 0.25], [0.25, -1.0]];
+        let polynomial = Polynomial::Roots(roots.map(|root| root.map(|x| size * x)).to_vec());
+        let options = NewtonOptions { polynomial, ..NewtonOptions::default() };
+        let plane = Grid::plane(101, 67, [0.013 * size, 0.021 * size], 3.0 * size);
+        evaluate(&options, Points::Grid(plane)).roots
+    };
+    let usual = at(1.0);
+    for power in [-10, -17, -30] {
+        let small = at(2.0_f64.powi(power));
+        let different = (0..usual.len()).filter(|&i| small[i] != usual[i]).count();
+        assert!(different <= usual.len() / 200, "2^{power}: {different} of {}", usual.len());
+    }
+    let tiny = NewtonOptions {
+        polynomial: Polynomial::Roots(vec![[1e-13, 0.0], [0.0, -1e-13]]),
+        ..NewtonOptions::default()
+    };
+    let refused = Newton::new(&tiny).unwrap_err().to_string();
+    assert!(refused.contains("the largest root must be 0 or at least 1e-12"), "{refused}");
+}
+
+#[test]
 fn the_idempotent_basis_multiplies_bicomplex_numbers() {
     // (a + b j)(c + d j) = (a c - b d) + (a d + b c) j for complex a, b, c, d.
     let split = |p: [f64; 4]| [[p[0] + p[3], p[1] - p[2]], [p[0] - p[3], p[1] + p[2]]];

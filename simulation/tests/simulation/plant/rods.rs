@@ -98,6 +98,63 @@ fn a_column_buckles_at_the_height_of_greenhill() {
 }
 
 #[test]
+fn a_column_that_stands_exactly_upright_buckles() {
+    let (density, modulus, n) = (1000.0, 1e9_f64, 60);
+    let critical = (7.8373 * modulus * INERTIA / (density * GRAVITY * PI * RADIUS * RADIUS)).cbrt();
+    let tip = |height: f64| {
+        let (segments, parents) = chain(n, height, [0.0, 0.0, 1.0]);
+        let mut rods = rods(segments, &parents, density);
+        rods.set_state(&vec![modulus; n], &vec![0.0; n]).unwrap();
+        let mut pose = rods.rest_pose();
+        let done = rods.relax(&mut pose, &RelaxOptions::default()).unwrap();
+        assert!(done.residual <= 1e-8 && done.iterations <= 50, "{done:?}");
+        let [x, y, _] = pose.tails[n - 1];
+        x.hypot(y) / height
+    };
+    assert_eq!(tip(0.99 * critical), 0.0);
+    assert!(tip(1.01 * critical) > 0.1 && tip(1.05 * critical) > 0.5);
+    // A long one hangs down.
+    assert!(tip(4.0 * critical) < 0.2);
+}
+
+#[test]
+fn a_symmetric_plant_falls_to_one_side() {
+    // A stem and two equal branches, which hold each other in balance.
+    let (mut segments, mut parents) = chain(10, 0.1, [0.0, 0.0, 1.0]);
+    for side in [1.0, -1.0] {
+        for i in 1..=5 {
+            let (out, up) = (0.01 * f64::from(i), 0.005 * f64::from(i));
+            parents.push(Some(if i == 1 { 9 } else { segments.len() as u32 - 1 }));
+            segments.push(Segment::stem([side * out, 0.0, 0.1 + up], RADIUS));
+        }
+    }
+    let n = segments.len();
+    let mut rods = rods(segments, &parents, 1100.0);
+    for modulus in [5e6, 3e6] {
+        rods.set_state(&vec![modulus; n], &vec![0.0; n]).unwrap();
+        let mut pose = rods.rest_pose();
+        let done = rods.relax(&mut pose, &RelaxOptions::default()).unwrap();
+        assert!(done.residual <= 1e-8, "{done:?}");
+        assert!(pose.tails[9][2] < 0.0 && pose.tails[9][1].abs() > 0.01, "{:?}", pose.tails[9]);
+    }
+}
+
+#[test]
+fn an_upright_stem_in_motion_falls_if_it_is_too_weak() {
+    let n = 12;
+    let (segments, parents) = chain(n, 0.3, [0.0, 0.0, 1.0]);
+    let mut rods = rods(segments, &parents, 1000.0);
+    let mut top = |modulus: f64| {
+        rods.set_state(&vec![modulus; n], &vec![0.0; n]).unwrap();
+        let mut motion = Motion::new(&rods, &rods.rest_pose(), &MotionOptions::new()).unwrap();
+        (0..600).for_each(|_| motion.step().unwrap());
+        motion.pose().tails[n - 1][2]
+    };
+    assert!((top(1e9) - 0.3).abs() < 1e-6);
+    assert!(top(2e6) < 0.1);
+}
+
+#[test]
 fn a_torque_twists_by_its_length_over_g_j() {
     // A stiff arm at the end of a chain along x, with a mass at the end of the arm.
     let (n, arm, mass) = (100, 0.1, 1e-5);

@@ -1,6 +1,6 @@
 //! The components of an MTG, as its lines list them.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 use super::super::lines::Lines;
 use catamaran::base::Result;
@@ -63,6 +63,11 @@ impl Component {
         Some([x?, y?, z?])
     }
 
+    /// Returns whether the file has a radius or a diameter of the component that is not 0.
+    pub fn has_diameter(&self) -> bool {
+        self.features[RADIUS..=BASE].iter().flatten().any(|&x| x > 0.0)
+    }
+
     /// Returns the radius at its end.
     pub fn radius(&self) -> Option<f64> {
         self.features[RADIUS].or(self.features[TOP])
@@ -81,6 +86,10 @@ pub(super) struct Graph {
     pub last: Vec<Option<usize>>,
     /// The components that begin a plant.
     pub plants: Vec<usize>,
+    /// The classes of components that the section `CLASSES` does not list, in alphabetic order.
+    unlisted: BTreeSet<String>,
+    /// The number of lines with cells beyond the columns, and the first such cell.
+    beyond: Option<(usize, String)>,
 }
 
 /// Reads up to the line of column names after `MTG:`. `unit` has the metres in a unit of lengths,
@@ -136,14 +145,40 @@ pub(super) fn header(lines: &mut Lines<'_>, unit: [f64; 2]) -> Result<Graph> {
     // The code takes the columns up to the first name after ENTITY-CODE or TOPO.
     let code = (1..names.len()).find(|&i| !names[i].is_empty()).unwrap_or(names.len());
     let (last, components, plants) = (vec![None; code], Vec::new(), Vec::new());
-    Ok(Graph { components, scales, names, columns, last, plants })
+    let (unlisted, beyond) = (BTreeSet::new(), None);
+    Ok(Graph { components, scales, names, columns, last, plants, unlisted, beyond })
 }
 
 impl Graph {
+    /// Returns what the lines leave open, one sentence each.
+    pub fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        if !self.unlisted.is_empty() {
+            let classes: Vec<&str> = self.unlisted.iter().map(String::as_str).collect();
+            notes.push(format!(
+                "CLASSES does not list {}: components of the finest scale",
+                classes.join(", ")
+            ));
+        }
+        if let Some((count, first)) = &self.beyond {
+            let lines = if *count == 1 { "line" } else { "lines" };
+            let columns = self.names.len();
+            notes.push(format!(
+                "cells beyond the {columns} columns are not read: those of {count} {lines}, such \
+                 as {first:?}"
+            ));
+        }
+        notes
+    }
+
     /// Adds the components of a line.
     pub fn row(&mut self, lines: &Lines<'_>, line: &str) -> Result<()> {
         let cells: Vec<&str> = line.split('\t').map(str::trim).collect();
         let code = cells.iter().take(self.last.len()).position(|cell| !cell.is_empty());
+        let mut beyond = cells.iter().skip(self.names.len());
+        if let Some(cell) = beyond.find(|cell| !cell.is_empty()) {
+            self.beyond.get_or_insert_with(|| (0, (*cell).to_owned())).0 += 1;
+        }
         let Some(place) = code else { return Ok(()) };
         // "^<I3" relates to the last component in its column, "+I3" to the last in the column to
         // the left.
@@ -162,7 +197,7 @@ impl Graph {
             if let Some(&cell) = cell {
                 let what = FEATURES[kind].0;
                 let number = factor * lines.number(what, Some(cell))?;
-                if kind == LENGTH && number < 0.0 {
+                if (LENGTH..=BASE).contains(&kind) && number < 0.0 {
                     return Err(lines.fail(format!("{what}: must be at least 0, is {cell}")));
                 }
                 self.components[v].features[kind] = Some(number);
@@ -252,8 +287,11 @@ impl Graph {
         let last = last.filter(|_| !begins);
         let finest = || self.scales.values().max().copied().unwrap_or_default();
         let initial = class.chars().next().map(String::from).unwrap_or_default();
-        let scale = self.scales.get(class).or_else(|| self.scales.get(&initial));
-        let scale = scale.copied().unwrap_or_else(finest);
+        let listed = self.scales.get(class).or_else(|| self.scales.get(&initial)).copied();
+        if listed.is_none() && !self.scales.is_empty() {
+            self.unlisted.insert(class.to_owned());
+        }
+        let scale = listed.unwrap_or_else(finest);
         let bearer = last.map(|v| if link == '/' { v } else { self.bearer(v, scale, same) });
         let mut whole = bearer;
         while let Some(w) = whole.filter(|&w| self.components[w].scale >= scale) {

@@ -112,7 +112,7 @@ pub(super) fn plant(graph: &Graph, chosen: Range<usize>, lines: &Lines<'_>) -> R
         radii.push(sizes[v].top.or(sizes[v].base).filter(|&r| r != 0.0));
     }
     let count = segments.len();
-    let mut notes = Vec::new();
+    let mut notes = graph.notes();
     if count < chosen.len() {
         let (merged, what) =
             (chosen.len() - count, if positioned { "coordinates" } else { "length" });
@@ -134,16 +134,33 @@ pub(super) fn plant(graph: &Graph, chosen: Range<usize>, lines: &Lines<'_>) -> R
         let bearer = parents[v].map_or(first, |p| segments[p as usize].radius);
         segments[v].radius = radii[v].unwrap_or(bearer);
     }
-    match radii.iter().filter(|r| r.is_none()).count() {
-        0 => {}
-        _ if largest <= 0.0 => {
-            notes.push(format!("no diameters: the radius is {SLENDERNESS} times the mean length"))
+    let has_diameters = parts[chosen].iter().any(Component::has_diameter);
+    notes.extend(note_on_radii(&radii, largest, has_diameters));
+    Ok(Plant::new(segments, &parents, base)?.noting(notes))
+}
+
+/// Returns a note on segments without a radius; `has_diameters` says whether any component of the
+/// plant has one.
+fn note_on_radii(radii: &[Option<f64>], largest: f64, has_diameters: bool) -> Option<String> {
+    let (count, missing) = (radii.len(), radii.iter().filter(|r| r.is_none()).count());
+    let radius = format!("the radius is {SLENDERNESS} times the mean length");
+    match missing {
+        0 => None,
+        _ if largest > 0.0 => {
+            let first = match radii[0] {
+                None => ", and the first one the largest",
+                Some(_) => "",
+            };
+            Some(format!(
+                "{missing} of {count} segments have no diameter: they take that of their \
+                 bearers{first}"
+            ))
         }
-        missing => notes.push(format!(
-            "{missing} of {count} segments have no diameter: they take that of their bearers"
-        )),
+        _ if has_diameters => {
+            Some(format!("diameters only of components that are no segments: {radius}"))
+        }
+        _ => Some(format!("no diameters: {radius}")),
     }
-    Ok(Plant::new(segments, &parents, base)?.with_notes(notes))
 }
 
 /// Returns why no component has a shape.
