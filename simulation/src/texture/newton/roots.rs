@@ -73,9 +73,8 @@ fn roots_of_scaled(coefficients: &[c64]) -> Option<Vec<c64>> {
     /// roots that are accepted: an error of a pixel in a picture of a thousand.
     const EXACT: f64 = 1e-10;
     const WORST: f64 = 1e-3;
-    let methods: [fn(&[c64]) -> Option<Vec<c64>>; 2] = [from_eigenvalues, from_circles];
     let mut best = (f64::INFINITY, Vec::new());
-    for method in methods {
+    for method in [from_eigenvalues as fn(&[c64]) -> _, from_circles] {
         let Some(found) = method(coefficients) else { continue };
         let off = deviation(coefficients, &found);
         if off < best.0 {
