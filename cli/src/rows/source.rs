@@ -488,8 +488,8 @@ impl<T: Real> RowBlocks<T> for Finite<'_, T> {
 /// Returns the first row of a block with an entry that is infinite, or NaN unless it `takes_nan`,
 /// and the column of that entry.
 fn first_not_finite<T: Real>(block: MatRef<'_, T>, takes_nan: bool) -> Option<(usize, usize)> {
-    let is_wrong = |x: T| !x.is_finite() && !(takes_nan && x.to_f64().is_nan());
-    let column = |i: usize| (0..block.ncols()).find(|&j| is_wrong(block[(i, j)]));
+    let is_right = |x: T| x.is_finite() || takes_nan && x.to_f64().is_nan();
+    let column = |i: usize| (0..block.ncols()).find(|&j| !is_right(block[(i, j)]));
     (0..block.nrows()).find_map(|i| Some((i, column(i)?)))
 }
 
