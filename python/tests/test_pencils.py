@@ -191,3 +191,23 @@ def test_energies_are_quotients(rng):
         catamaran.dirichlet_energies(q, 1j * stiffness)
     with pytest.raises(TypeError, match="^mass: complex"):
         catamaran.dirichlet_energies(q, stiffness, 1j * mass)
+
+
+def test_options_of_meshes_are_refused_for_matrices():
+    stiffness, mass, _ = catamaran.laplacian(TORUS)
+    calls = [
+        lambda **options: catamaran.eigsh(stiffness, k=3, **options),
+        lambda **options: catamaran.count_below(stiffness, mass, 1.5, **options),
+    ]
+    second = "mass: applies to a mesh, and a matrix is given; that of a matrix is the second"
+    for call in calls:
+        for given in (mass, mass.diagonal(), "full"):
+            with pytest.raises(ValueError, match=second):
+                call(mass=given)
+        with pytest.raises(ValueError, match="kind: applies to a mesh"):
+            call(kind="tufted")
+    for call in (*calls, lambda **options: catamaran.free_components(stiffness, mass, **options)):
+        with pytest.raises(ValueError, match="boundary: applies to a mesh"):
+            call(boundary=[0, 1])
+        with pytest.raises(ValueError, match="weld: applies to a mesh"):
+            call(weld=True)

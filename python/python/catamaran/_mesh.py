@@ -466,6 +466,24 @@ class Eigenpairs(NamedTuple):
         return ax
 
 
+def _refuse_options_of_meshes(
+    *,
+    kind: Kind = "cotangent",
+    mass: Any = "barycentric",
+    boundary: Union[Boundary, ArrayLike] = "neumann",
+    weld: bool = False,
+) -> None:
+    """Refuse the options of `laplacian` where a matrix is given, which has no use for them."""
+    defaults = {"kind": "cotangent", "mass": "barycentric", "boundary": "neumann"}
+    given = {"kind": kind, "mass": mass, "boundary": boundary}
+    for name, value in given.items():
+        if not (isinstance(value, str) and value == defaults[name]):
+            hint = "; that of a matrix is the second argument" if name == "mass" else ""
+            raise ValueError(f"{name}: applies to a mesh, and a matrix is given{hint}")
+    if weld:
+        raise ValueError("weld: applies to a mesh, and a matrix is given")
+
+
 @with_mesh
 def eigsh(
     v: Any,
@@ -560,6 +578,8 @@ def eigsh(
     }
     if is_sparse(v) and f is not None and not is_sparse(f) and np.ndim(f) == 0:
         raise TypeError(f"mass: got {f!r}; the number of pairs is a keyword: eigsh(a, k={f!r})")
+    if comm is not None or is_sparse(v):
+        _refuse_options_of_meshes(kind=kind, mass=mass, boundary=boundary, weld=weld)
     if comm is not None:
         from ._ranks import gathered
 
@@ -626,6 +646,7 @@ def count_below(
     4
     """
     if is_sparse(v):
+        _refuse_options_of_meshes(kind=kind, mass=mass, boundary=boundary, weld=weld)
         return _catamaran.count_below_sparse(csr("a", v), mass_of(f), value)
     return _catamaran.count_below_mesh(v, f, kind, mass, boundary, weld, threads, value)
 
@@ -663,6 +684,7 @@ def free_components(
     0
     """
     if is_sparse(v):
+        _refuse_options_of_meshes(boundary=boundary, weld=weld)
         return _catamaran.free_components_sparse(csr("a", v), mass_of(f))
     return _catamaran.free_components_mesh(v, f, boundary, weld)
 
