@@ -6,6 +6,7 @@ use std::path::Path;
 use anyhow::Result;
 use catamaran::Par;
 use catamaran_geometry::mesh::io::MeshFile;
+use catamaran_geometry::mesh::vector::distance;
 use catamaran_geometry::mesh::{
     Comparison, Edges, Genus, OneSided, Problem, RepairStep, TriMesh, Validation,
 };
@@ -44,16 +45,15 @@ const JOINS: &str = "joins vertices at most that far apart";
 
 /// Returns the length of the shortest edge that is not 0; infinite without one.
 fn shortest_edge(mesh: &TriMesh) -> f64 {
-    let length = |&[a, b]: &[u32; 2]| distance(mesh, a, b);
+    let length = |&[a, b]: &[u32; 2]| between(mesh, a, b);
     let edges = Edges::new(mesh);
     let lengths = edges.ends().iter().map(length).filter(|length| *length > 0.0);
     lengths.fold(f64::INFINITY, f64::min)
 }
 
 /// Returns the distance between two vertices.
-fn distance(mesh: &TriMesh, a: u32, b: u32) -> f64 {
-    let [a, b] = [a, b].map(|v| mesh.vertices()[v as usize]);
-    (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
+fn between(mesh: &TriMesh, a: u32, b: u32) -> f64 {
+    distance(mesh.vertices()[a as usize], mesh.vertices()[b as usize])
 }
 
 /// Returns the options that help against the problems of a mesh, with what they do.
@@ -61,7 +61,7 @@ fn options(mesh: &TriMesh, found: &Validation) -> Vec<(String, &'static str)> {
     let mut options = Vec::new();
     let has = |kind: fn(&Problem) -> bool| found.problems.iter().any(kind);
     let apart = found.problems.iter().filter_map(|problem| match problem {
-        Problem::CoincidentVertex { vertex, first } => Some(distance(mesh, *vertex, *first)),
+        Problem::CoincidentVertex { vertex, first } => Some(between(mesh, *vertex, *first)),
         _ => None,
     });
     match apart.reduce(f64::max) {

@@ -474,14 +474,16 @@ def _refuse_options_of_meshes(
     weld: bool = False,
 ) -> None:
     """Refuse the options of `laplacian` where a matrix is given, which has no use for them."""
-    defaults = {"kind": "cotangent", "mass": "barycentric", "boundary": "neumann"}
-    given = {"kind": kind, "mass": mass, "boundary": boundary}
-    for name, value in given.items():
-        if not (isinstance(value, str) and value == defaults[name]):
-            hint = "; that of a matrix is the second argument" if name == "mass" else ""
-            raise ValueError(f"{name}: applies to a mesh, and a matrix is given{hint}")
-    if weld:
-        raise ValueError("weld: applies to a mesh, and a matrix is given")
+    hint = "; that of a matrix is the second argument"
+    for name, value, default, more in (
+        ("kind", kind, "cotangent", ""),
+        ("mass", mass, "barycentric", hint),
+        ("boundary", boundary, "neumann", ""),
+        ("weld", weld, False, ""),
+    ):
+        # An array or a matrix is never a default, and is not compared with one.
+        if np.ndim(value) > 0 or is_sparse(value) or value != default:
+            raise ValueError(f"{name}: applies to a mesh, and a matrix is given{more}")
 
 
 @with_mesh
