@@ -89,7 +89,7 @@ class Fit(NamedTuple):
 
 
 def export(folder):
-    """Write the data sets that are no tables of the tests, as their packages do by default."""
+    """Writes the data sets that are no tables of the tests, as their packages do by default."""
     of = lambda source: [each.name for each in SETS if each.source == source]
     names = ", ".join(f'"{name}"' for name in of("R"))
     one = f'write.csv(get(name), file.path("{folder}", paste0(name, ".csv")))'
@@ -104,7 +104,7 @@ def export(folder):
 
 
 def problem_of(each, path):
-    """Return the regression of a set."""
+    """Returns the regression of a set."""
     with path.open() as file:
         header, *rows = list(csv.reader(file))
     target = each.target or header[0]
@@ -127,14 +127,14 @@ def problem_of(each, path):
 
 
 def tail(f, numerator, denominator):
-    """Return the probability of an F statistic as large or larger."""
+    """Returns the probability of an F statistic as large or larger."""
     x = denominator / (denominator + numerator * f)
     a, b = mpmath.mpf(denominator) / 2, mpmath.mpf(numerator) / 2
     return mpmath.betainc(a, b, 0, x, regularized=True)
 
 
 def half_width(freedom):
-    """Return half of a confidence interval, in standard errors."""
+    """Returns half of a confidence interval, in standard errors."""
     from scipy.stats import t
 
     missed = lambda x: tail(x * x, 1, freedom) - (1 - mpmath.mpf(CONFIDENCE))
@@ -142,7 +142,7 @@ def half_width(freedom):
 
 
 def exact(problem, intercept):
-    """Return the fit in 60 digits."""
+    """Returns the fit in 60 digits."""
     a = mpmath.matrix([[mpmath.mpf(x) for x in row] for row in zip(*problem.columns)])
     b = mpmath.matrix([mpmath.mpf(y) for y in problem.target])
     m, n = a.rows, a.cols
@@ -170,7 +170,7 @@ def exact(problem, intercept):
 
 
 def of_statsmodels(problem):
-    """Return the fit of OLS."""
+    """Returns the fit of OLS."""
     import statsmodels.api as sm
 
     fit = sm.OLS(np.array(problem.target), np.array(problem.columns).T).fit()
@@ -181,7 +181,7 @@ def of_statsmodels(problem):
 
 
 def of_r(problems, folder):
-    """Return the fits of lm."""
+    """Returns the fits of lm."""
     place = lambda each: folder / f"{each.source}-{each.name}-lm"
     lines = []
     for each, path, problem in problems:
@@ -202,7 +202,7 @@ def of_r(problems, folder):
 
 
 def of_ours(program, each, path, problem, output):
-    """Return the fit of the command line, and the condition that it prints."""
+    """Returns the fit of the command line, and the condition that it prints."""
     words = [program, "lstsq", path, "--by-column", each.target or "0", "-o", output]
     words += ["--intercept"] if each.intercept else []
     if each.regressors:
@@ -230,7 +230,7 @@ def of_ours(program, each, path, problem, output):
 
 
 def digits(found, right):
-    """Return the correct digits of the worst number of each kind."""
+    """Returns the correct digits of the worst number of each kind."""
     pairs = zip(right.ends[::2], right.ends[1::2])
     scales = right._asdict()
     # An end may be near 0 by chance, a covariance even 0.

@@ -11,7 +11,7 @@ import numpy as np  # noqa: E402
 
 
 def output(script):
-    """Return where the picture goes: the first argument, or beside the script's name."""
+    """Returns where the picture goes: the first argument, or beside the script's name."""
     return Path(sys.argv[1]) if len(sys.argv) > 1 else Path(Path(script).stem + ".png")
 
 
@@ -28,7 +28,7 @@ def draw(
     view=(20, -60),
     margin=0.8,
 ):
-    """Draw a mesh, with a value for each vertex or a colour for each face, lit from the camera."""
+    """Draws a mesh, with a value for each vertex or a colour for each face, lit from the camera."""
     f = np.asarray(f)
     triangles = v[f]
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
@@ -65,7 +65,7 @@ def draw(
 
 
 def panels(count, width=4.0):
-    """Return a figure and axes in three dimensions, side by side."""
+    """Returns a figure and axes in three dimensions, side by side."""
     figure, axes = plt.subplots(
         1, count, figsize=(width * count, width), subplot_kw={"projection": "3d"}, squeeze=False
     )
@@ -74,7 +74,7 @@ def panels(count, width=4.0):
 
 
 def save(figure, script):
-    """Write the picture."""
+    """Writes the picture."""
     path = output(script)
     figure.savefig(path, dpi=110)
     print(f"written {path}")

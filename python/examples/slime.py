@@ -9,7 +9,7 @@ from catamaran import shapes
 
 
 def torus(around, tube):
-    """Return a torus and the texture coordinates of the corners of its faces."""
+    """Returns a torus and the texture coordinates of the corners of its faces."""
     v, f = shapes.torus(around, tube)
     places = np.stack([f // tube / around, f % tube / tube], axis=-1)
     # Faces across the seams go on beyond it.

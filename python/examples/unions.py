@@ -13,7 +13,7 @@ masks = {"upper part": v[:, 2] > middle - 0.25, "lower part": v[:, 2] < middle +
 
 
 def part(mask):
-    """Return the faces whose corners are all in the mask, as a mesh of its own."""
+    """Returns the faces whose corners are all in the mask, as a mesh of its own."""
     used, faces = np.unique(f[mask[f].all(axis=1)], return_inverse=True)
     return v[used], faces.reshape(-1, 3)
 

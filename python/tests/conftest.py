@@ -16,7 +16,7 @@ def rng():
 
 
 def data(name):
-    """Return the path of a real input, or skip the test; with CATAMARAN_REQUIRE_DATA it must be
+    """Returns the path of a real input, or skips the test; with CATAMARAN_REQUIRE_DATA it must be
     there."""
     path = Path(os.environ.get("CATAMARAN_DATA", ROOT.parent / "shared")) / name
     if path.exists():

@@ -28,7 +28,7 @@ def same(found, expected):
 
 
 def raised(kind, call):
-    """Return the message of the error that every rank raises."""
+    """Returns the message of the error that every rank raises."""
     try:
         call()
     except kind as error:

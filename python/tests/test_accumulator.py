@@ -168,7 +168,7 @@ def test_a_file_that_can_not_be_read_leaves_the_sums_as_they_were(tmp_path):
 
 
 def together(*calls):
-    """Run the calls at once and raise the error of one that fails."""
+    """Runs the calls at once and raises the error of one that fails."""
     errors, start = [], threading.Barrier(len(calls))
 
     def work(call):

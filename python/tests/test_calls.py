@@ -15,7 +15,7 @@ import catamaran
 
 
 def run(code, **more):
-    """Start Python with this code."""
+    """Starts Python with this code."""
     return subprocess.Popen(
         [sys.executable, "-c", "import numpy as np, catamaran, sys\n" + textwrap.dedent(code)],
         stdout=subprocess.PIPE,

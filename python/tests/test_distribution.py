@@ -17,7 +17,7 @@ REMEDY = "pip uninstall catamaran catamaran-numerics"
 
 
 def python(site, *arguments):
-    """Run Python with the folder `site` in front of all others."""
+    """Runs Python with the folder `site` in front of all others."""
     return subprocess.run(
         [sys.executable, *arguments],
         env={**os.environ, "PYTHONPATH": str(site)},
@@ -28,7 +28,7 @@ def python(site, *arguments):
 
 
 def link_package(site, without=()):
-    """Lay the installed package into the folder `site`, by links; return its folder there."""
+    """Lays the installed package into the folder `site`, by links; returns its folder there."""
     package = site / "catamaran"
     package.mkdir()
     for path in PACKAGE.iterdir():

@@ -38,3 +38,17 @@ def test_the_guide_names_every_function():
     for name in catamaran.__all__:
         if inspect.isfunction(getattr(catamaran, name)):
             assert name in guide, name
+
+
+def test_functions_say_what_they_do_in_the_third_person():
+    def documented(owner):
+        for name, value in vars(owner).items():
+            value = getattr(value, "__func__", value)
+            if inspect.isfunction(value) and not name.startswith("_") and value.__doc__:
+                yield name, value.__doc__.split()[0]
+
+    public = [getattr(catamaran, name) for name in catamaran.__all__]
+    owners = [catamaran, *filter(inspect.isclass, public), *filter(inspect.ismodule, public)]
+    words = [word for owner in owners for word in documented(owner)]
+    assert len(words) > 100
+    assert [(name, word) for name, word in words if not word.endswith("s")] == []

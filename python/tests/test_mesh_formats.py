@@ -16,7 +16,7 @@ def surface(precision=float):
 
 
 def same(path, v, f, scalars=None, digits=0.0):
-    """Read a mesh, which must be this one up to `digits`, without a note."""
+    """Reads a mesh, which must be this one up to `digits`, without a note."""
     again, faces, more = catamaran.read_mesh(path, attributes=True)
     assert np.allclose(again, v, rtol=0, atol=digits) and np.array_equal(faces, f)
     found = more.get("scalars", {})

@@ -26,7 +26,7 @@ class Cholesky:
     def solve(
         self, b: ArrayLike, *, rows: Optional[ArrayLike] = None, progress: Progress = None
     ) -> NDArray[np.float64]:
-        """Solve ``A @ x = b``.
+        """Solves ``A @ x = b``.
 
         Parameters
         ----------
@@ -48,7 +48,7 @@ class Cholesky:
         return x[:, 0] if np.ndim(b) == 1 else x
 
     def refactor(self, a: Any, *, progress: Progress = None) -> None:
-        """Factorize another matrix with the same pattern, without another analysis.
+        """Factorizes another matrix with the same pattern, without another analysis.
 
         Parameters
         ----------
@@ -98,7 +98,7 @@ def cholesky(
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> Cholesky:
-    """Factorize a sparse symmetric matrix, positive definite or semidefinite.
+    """Factorizes a sparse symmetric matrix, positive definite or semidefinite.
 
     Parameters
     ----------

@@ -45,7 +45,7 @@ class Curve:
         return edges
 
     def plot(self, ax: Any = None, **options: Any) -> Any:
-        """Draw the curve by matplotlib; `options` go to ``plot``."""
+        """Draws the curve by matplotlib; `options` go to ``plot``."""
         ax = axes(ax, projection="3d")
         points = self.points if not self.closed else np.vstack([self.points, self.points[:1]])
         ax.plot(*points.T, **options)
@@ -84,7 +84,7 @@ def curve(
     start: int = 0,
     progress: Progress = None,
 ) -> Curves:
-    """Reconstruct a curve on a mesh through vertices that are in no order.
+    """Reconstructs a curve on a mesh through vertices that are in no order.
 
     Parameters
     ----------
@@ -140,7 +140,7 @@ def options(
     candidates: int,
     start: int,
 ) -> Dict[str, Any]:
-    """Return options of a curve as the extension takes them."""
+    """Returns options of a curve as the extension takes them."""
     return {
         "mode": mode,
         "open": open,
@@ -153,7 +153,7 @@ def options(
 
 
 def curves(found: Any) -> Curves:
-    """Return curves of the extension."""
+    """Returns curves of the extension."""
     outcome, complete, all_of, left_out, outliers = found
     return Curves(outcome, complete, [Curve(**one) for one in all_of], left_out, outliers)
 
@@ -183,7 +183,7 @@ def draw(
     start: int = 0,
     progress: Progress = None,
 ) -> Drawn:
-    """Draw curves into a mesh, so that they run along its edges.
+    """Draws curves into a mesh, so that they run along its edges.
 
     Curves of one layer do not meet; those of several layers may cross. Faces are cut along the
     curves, and no vertex moves.
@@ -251,7 +251,7 @@ def place(
     *,
     insert: bool = True,
 ) -> Placed:
-    """Find vertices for points on faces, such as samples of a curve or the origin of `decimate`.
+    """Finds vertices for points on faces, such as samples of a curve or the origin of `decimate`.
 
     Parameters
     ----------

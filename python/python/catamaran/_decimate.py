@@ -55,7 +55,7 @@ class Decimated(NamedTuple):
 
     @to_nearest
     def carried(self, f: Union[ArrayLike, MeshLike], values: ArrayLike) -> NDArray[Any]:
-        """Return values at the new vertices of those at vertices of the input.
+        """Returns values at the new vertices of those at vertices of the input.
 
         Parameters
         ----------
@@ -82,7 +82,7 @@ class Decimated(NamedTuple):
         return Mesh(self.v, self.f)
 
     def difference(self, mesh: MeshOrArrays, *, threads: Optional[int] = None) -> Difference:
-        """Measure distances between a mesh, such as the input, and the result."""
+        """Measures distances between a mesh, such as the input, and the result."""
         return Difference(*_catamaran.difference(needed("mesh", mesh), self.mesh, threads))
 
 
@@ -106,7 +106,7 @@ def decimate(
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> Decimated:
-    """Decimate a mesh uniformly to exactly `n` vertices, or to as few as `error` allows.
+    """Decimates a mesh uniformly to exactly `n` vertices, or to as few as `error` allows.
 
     The result is a manifold with the pieces, boundary loops and handles of the input, and nearly
     equal triangles.
@@ -183,7 +183,7 @@ def decimate(
 
 
 def _numbers(name: str, vertices: ArrayLike, v: ArrayLike) -> List[int]:
-    """Return the numbers of vertices, which may come as a mask of all vertices `v`.
+    """Returns the numbers of vertices, which may come as a mask of all vertices `v`.
 
     `name` is that of the argument, in errors.
     """
@@ -217,7 +217,7 @@ def farthest_points(
     return_cells: bool = False,
     progress: Progress = None,
 ) -> Any:
-    """Choose `n` vertices, each the farthest from those before, along edges.
+    """Chooses `n` vertices, each the farthest from those before, along edges.
 
     Parameters
     ----------

@@ -36,7 +36,7 @@ def distances(
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> NDArray[np.float64]:
-    """Compute the distance of each vertex from the nearest source.
+    """Computes the distance of each vertex from the nearest source.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ class ShortestPath(NamedTuple):
 
 @takes_mesh
 def shortest_path(v: ArrayLike, f: ArrayLike, start: int, end: int) -> ShortestPath:
-    """Find the shortest path along edges from the vertex `start` to the vertex `end`.
+    """Finds the shortest path along edges from the vertex `start` to the vertex `end`.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def geodesic_path(
     weights: Optional[ArrayLike] = None,
     progress: Progress = None,
 ) -> GeodesicPath:
-    """Find the shortest path over faces that leads through points in their order.
+    """Finds the shortest path over faces that leads through points in their order.
 
     Parameters
     ----------
@@ -189,7 +189,7 @@ def trace_geodesic(
     weights: Optional[ArrayLike] = None,
     progress: Progress = None,
 ) -> GeodesicTrace:
-    """Trace the geodesic that leaves a point in a direction, for a length.
+    """Traces the geodesic that leaves a point in a direction, for a length.
 
     It is straight over faces and edges, and passes vertices with equal angles on both sides
     (Polthier and Schmies 1998). It stops at the boundary, and where more than one way leads on.

@@ -18,7 +18,7 @@ REMEDY = f"run `pip uninstall {OTHER} {NAME}`, then install {NAME} again"
 
 
 def find_other(site: str) -> Optional[str]:
-    """Return the name of the metadata folder of the distribution ``catamaran`` in the folder
+    """Returns the name of the metadata folder of the distribution ``catamaran`` in the folder
     `site`, or None.
 
     Lists the folder (0.4 ms for 1000 entries) because importing `importlib.metadata` takes 30 ms.
@@ -36,7 +36,7 @@ def find_other(site: str) -> Optional[str]:
 
 
 def warn_of_other() -> None:
-    """Warn the importer of this package of a distribution ``catamaran`` in the same folder."""
+    """Warns the importer of this package of a distribution ``catamaran`` in the same folder."""
     site = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
     other = find_other(site)
     if other is not None:
@@ -49,7 +49,7 @@ def warn_of_other() -> None:
 
 
 def require_own() -> None:
-    """Raise ImportError if the package ``catamaran`` that Python has imported is not this one.
+    """Raises ImportError if the package ``catamaran`` that Python has imported is not this one.
 
     Modules that users import by their own names call this: they are still there after the other
     distribution has overwritten ``__init__.py``.

@@ -18,7 +18,7 @@ Levels = Tuple[Tuple[str, Tuple[str, ...]], ...]
 
 
 def coded(factors: Mapping[str, Any]) -> Tuple[List[Coded], Any]:
-    """Return the names and levels of factors, and a column of codes for each, NaN where missing.
+    """Returns the names and levels of factors, and a column of codes for each, NaN where missing.
 
     Levels of a pandas categorical, or of anything else with ``categories`` and ``codes``, keep
     their order.
@@ -55,12 +55,12 @@ def coded(factors: Mapping[str, Any]) -> Tuple[List[Coded], Any]:
 
 
 def refuse_other_factors(a: Any, factors: Mapping[str, Any]) -> None:
-    """Refuse labels whose index of pandas is not that of the frame `a`."""
+    """Refuses labels whose index of pandas is not that of the frame `a`."""
     refuse_other_rows(a, **{f"factors: {name}": labels for name, labels in factors.items()})
 
 
 def levels_of(factors: List[Coded], codes: Any, columns: List[str]) -> Levels:
-    """Return the names of factors and their levels in rows of `codes`, the base first.
+    """Returns the names of factors and their levels in rows of `codes`, the base first.
 
     `columns` are those of all factors, ``name[level]`` for each level but the base.
     """
@@ -76,7 +76,7 @@ def levels_of(factors: List[Coded], codes: Any, columns: List[str]) -> Levels:
 
 
 def indicators(levels: Levels, factors: Mapping[str, Any], m: int) -> NDArray[np.float64]:
-    """Return the columns of factors that a fit knows for m rows with these labels, NaN where a
+    """Returns the columns of factors that a fit knows for m rows with these labels, NaN where a
     label is missing."""
     given, codes = coded(factors)
     if {name for name, *_ in given} != {name for name, _ in levels}:
@@ -99,7 +99,7 @@ def indicators(levels: Levels, factors: Mapping[str, Any], m: int) -> NDArray[np
 
 
 def is_missing(label: Any) -> bool:
-    """Return whether a label is None, or NaN, NaT or NA, which do not equal themselves."""
+    """Returns whether a label is None, or NaN, NaT or NA, which do not equal themselves."""
     same = label == label
     # Of the NA of pandas it is NA, which is neither true nor false.
     return label is None or not isinstance(same, (bool, np.bool_)) or not same

@@ -26,7 +26,7 @@ class Frame(NamedTuple):
 
 
 def frame_of(name: str, a: Any) -> Optional[Frame]:
-    """Return a frame; None for what is none, and for one that `numpy.asarray` does not copy.
+    """Returns a frame; None for what is none, and for one that `numpy.asarray` does not copy.
 
     `name` is that of the argument, in errors.
     """
@@ -53,7 +53,7 @@ def frame_of(name: str, a: Any) -> Optional[Frame]:
 
 
 def names_of(a: Any) -> Tuple[str, ...]:
-    """Return the names of the columns of a frame; none of anything else."""
+    """Returns the names of the columns of a frame; none of anything else."""
     names = getattr(a, "column_names", None)
     if names is None and (hasattr(a, "iloc") or hasattr(a, "get_columns")):
         names = getattr(a, "columns", None)
@@ -61,7 +61,7 @@ def names_of(a: Any) -> Tuple[str, ...]:
 
 
 def columns_of(name: str, a: Any, wanted: Tuple[str, ...]) -> Any:
-    """Return a frame of the columns with these names, in this order; anything else as it is.
+    """Returns a frame of the columns with these names, in this order; anything else as it is.
 
     Raises
     ------
@@ -82,7 +82,7 @@ def columns_of(name: str, a: Any, wanted: Tuple[str, ...]) -> Any:
 
 
 def refuse_other_rows(a: Any, **others: Any) -> None:
-    """Refuse pandas arguments that have as many rows as the frame `a`, but another index.
+    """Refuses pandas arguments that have as many rows as the frame `a`, but another index.
 
     Raises
     ------
@@ -99,7 +99,7 @@ def refuse_other_rows(a: Any, **others: Any) -> None:
 
 
 def of_pandas(name: str, a: Any) -> Optional[Frame]:
-    """Return a frame of pandas."""
+    """Returns a frame of pandas."""
     types = list(a.dtypes)
     if any(kind.kind == "c" for kind in types):
         return None
@@ -119,14 +119,14 @@ def of_pandas(name: str, a: Any) -> Optional[Frame]:
 
 
 def numbers(column: Any) -> NDArray[Any]:
-    """Return a column as numbers; NaN for missing ones."""
+    """Returns a column as numbers; NaN for missing ones."""
     entries = np.asarray(column)
     # Truth values and decimals, with None where one is missing.
     return entries if entries.dtype.kind in "biuf" else entries.astype(np.float64)
 
 
 def refuse(name: str, others: List[Tuple[Any, Any]]) -> None:
-    """Refuse the first column that has no numbers, given by its name and its type."""
+    """Refuses the first column that has no numbers, given by its name and its type."""
     if others:
         column, kind = others[0]
         raise TypeError(f"{name}: column {column} has {kind}, where numbers are needed")

@@ -25,7 +25,7 @@ def fit_options(
     standard_errors: bool,
     threads: Optional[int],
 ) -> Dict[str, Any]:
-    """Return options of least squares as the extension takes them."""
+    """Returns options of least squares as the extension takes them."""
     return {
         "ridge": ridge,
         "intercept": intercept,
@@ -100,7 +100,7 @@ class LeastSquares:
     feature_names: Tuple[str, ...] = ()
 
     def plot(self, ax: Any = None, confidence: float = 0.95) -> Any:
-        """Draw the coefficients with their confidence intervals, by matplotlib."""
+        """Draws the coefficients with their confidence intervals, by matplotlib."""
         ax = axes(ax)
         x = np.atleast_2d(self.x.T)
         width = np.zeros_like(x)
@@ -117,7 +117,7 @@ class LeastSquares:
         return f"LeastSquares({self.observations} observations, rank {self.rank})"
 
     def _rows(self, target: int, values: Any, constant: Any) -> List[float]:
-        """Return the values of a target, that of the intercept first if there is one."""
+        """Returns the values of a target, that of the intercept first if there is one."""
         of_target = np.atleast_2d(np.transpose(values))[target]
         return [*np.ravel(constant)[target : target + 1], *of_target]
 
@@ -151,7 +151,7 @@ class LeastSquares:
     def predict(
         self, a: ArrayLike, *, factors: Optional[Mapping[str, Any]] = None
     ) -> NDArray[np.float64]:
-        """Predict the targets of rows, ``A x + intercept``.
+        """Predicts the targets of rows, ``A x + intercept``.
 
         Parameters
         ----------
@@ -184,14 +184,14 @@ class LeastSquares:
     def confidence_intervals(
         self, confidence: float = 0.95
     ) -> Tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return the ends of the intervals that contain each coefficient with this confidence."""
+        """Returns the ends of the intervals that contain each coefficient with this confidence."""
         self._check_errors()
         width = self._factor(confidence) * self.standard_errors
         return self.x - width, self.x + width
 
     @to_nearest
     def intercept_intervals(self, confidence: float = 0.95) -> Tuple[Any, Any]:
-        """Return the ends of the interval that contains each intercept with this confidence."""
+        """Returns the ends of the interval that contains each intercept with this confidence."""
         self._check_errors()
         width = self._factor(confidence) * self.intercept_errors
         if np.size(width) == 0:
@@ -200,7 +200,7 @@ class LeastSquares:
 
     @to_nearest
     def covariance(self, target: int = 0) -> NDArray[np.float64]:
-        """Return the covariance of the coefficients of a target, the intercept first if there is
+        """Returns the covariance of the coefficients of a target, the intercept first if there is
         one."""
         self._check_errors()
         root: Any = self.root
@@ -220,8 +220,8 @@ class LeastSquares:
         observation: bool = False,
         factors: Optional[Mapping[str, Any]] = None,
     ) -> Any:
-        """Return the standard errors of predictions: of the mean at each row, or with `observation`
-        of one new observation there. Rows are given as in `predict`."""
+        """Returns the standard errors of predictions: of the mean at each row, or with
+        `observation` of one new observation there. Rows are given as in `predict`."""
         self._check_errors()
         design = self._design(a, factors)
         if is_sparse(design):
@@ -239,16 +239,17 @@ class LeastSquares:
         observation: bool = False,
         factors: Optional[Mapping[str, Any]] = None,
     ) -> Tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return the ends of the intervals that contain the mean at each row, or with `observation`
-        one new observation there, with this confidence. Rows are given as in `predict`."""
+        """Returns the ends of the intervals that contain the mean at each row, or with
+        `observation` one new observation there, with this confidence. Rows are given as in
+        `predict`."""
         errors = self.prediction_errors(a, observation=observation, factors=factors)
         width = self._factor(confidence) * errors
         found = self.predict(a, factors=factors)
         return found - width, found + width
 
     def _design(self, a: Any, factors: Optional[Mapping[str, Any]]) -> Any:
-        """Return rows with a column for each coefficient, one after the other in memory: by columns
-        the products of numpy would differ in their last bits."""
+        """Returns rows with a column for each coefficient, one after the other in memory: by
+        columns the products of numpy would differ in their last bits."""
         names, wanted, hint = self.feature_names, len(self.x), ""
         if factors is not None:
             wanted -= len(self.factor_columns)
@@ -285,7 +286,7 @@ class LeastSquares:
 
 
 def solution(found: Dict[str, Any], one_target: bool) -> LeastSquares:
-    """Return a solution of the extension."""
+    """Returns a solution of the extension."""
     if one_target:
         for name in ("x", "x_low", "standard_errors", "t_statistics", "p_values"):
             found[name] = found[name][:, 0] if found[name].size else found[name].ravel()
@@ -324,7 +325,7 @@ def lstsq(
     progress: Progress = None,
     comm: Any = None,
 ) -> LeastSquares:
-    """Solve ``min |W^(1/2) (A X - B)|^2 + ridge |X|^2`` in one pass over the rows.
+    """Solves ``min |W^(1/2) (A X - B)|^2 + ridge |X|^2`` in one pass over the rows.
 
     The Gram matrix of ``[A B]`` is formed in extended precision (159 bits), so that the solution
     is at least as accurate as by an orthogonal factorization of A in float64.
@@ -443,7 +444,7 @@ class PrincipalComponents:
     feature_names: Tuple[str, ...] = ()
 
     def transform(self, rows: ArrayLike, *, progress: Progress = None) -> NDArray[np.float64]:
-        """Return the scores (m x count) of rows (m x n), which may be a matrix of scipy.sparse, or
+        """Returns the scores (m x count) of rows (m x n), which may be a matrix of scipy.sparse, or
         a data frame: after one of a data frame, its columns are taken by their names."""
         if self.feature_names:
             rows = columns_of("rows", rows, self.feature_names)
@@ -451,7 +452,7 @@ class PrincipalComponents:
 
     @to_nearest
     def inverse_transform(self, scores: ArrayLike) -> NDArray[np.float64]:
-        """Return the rows (m x n) whose scores these are (m x count), in the space of the
+        """Returns the rows (m x n) whose scores these are (m x count), in the space of the
         components."""
         of: Any = matrix_of("scores", scores)
         if self.whiten:
@@ -462,7 +463,7 @@ class PrincipalComponents:
         return rows
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the share of the variance of each component, and their sums, by matplotlib."""
+        """Draws the share of the variance of each component, and their sums, by matplotlib."""
         ax = axes(ax)
         numbers = np.arange(1, len(self.explained_variance) + 1)
         ax.bar(numbers, self.explained_variance_ratio, label="share")
@@ -498,7 +499,7 @@ def pca(
     progress: Progress = None,
     comm: Any = None,
 ) -> PrincipalComponents:
-    """Compute the principal components of the rows of `a`, in one pass over them.
+    """Computes the principal components of the rows of `a`, in one pass over them.
 
     Parameters
     ----------
@@ -570,7 +571,7 @@ def svd(
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> SVD:
-    """Compute the singular values and vectors of a tall matrix in one pass over its rows.
+    """Computes the singular values and vectors of a tall matrix in one pass over its rows.
 
     Small singular values have as many digits as large ones, as long as the condition number of A
     with columns of norm 1 is below 2^48 or so.

@@ -24,7 +24,7 @@ def isosurface(
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> Mesh:
-    """Find the surface of the region where a function on a lattice exceeds a level.
+    """Finds the surface of the region where a function on a lattice exceeds a level.
 
     By marching tetrahedra: the surface is a manifold for any values, with faces that are
     counter-clockwise as seen from outside.
@@ -80,7 +80,7 @@ def label_surface(
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> Mesh:
-    """Find the surface of the region of one label on a lattice, as of a segmented image.
+    """Finds the surface of the region of one label on a lattice, as of a segmented image.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def of_lattice(
     open: bool,
     threads: Optional[int],
 ) -> Tuple[Any, Dict[str, Any]]:
-    """Return values, x fastest, and their lattice as the extension takes them."""
+    """Returns values, x fastest, and their lattice as the extension takes them."""
     if values.ndim != 3:
         raise ValueError(f"{name}: expected an array of 3 dimensions, got {values.ndim}")
     lattice = {

@@ -45,7 +45,7 @@ __all__ = [
 
 
 def read_mesh(path: Path, *, attributes: bool = False) -> Any:
-    """Read a mesh, in a format of docs/guide/mesh-files.md, also packed (.gz, .xz, .bz2, .zst,
+    """Reads a mesh, in a format of docs/guide/mesh-files.md, also packed (.gz, .xz, .bz2, .zst,
     .zip).
 
     Parameters
@@ -95,13 +95,13 @@ def read_mesh(path: Path, *, attributes: bool = False) -> Any:
 
 
 def shares(colors: Any) -> Any:
-    """Return colours from 0 to 1, of bytes too."""
+    """Returns colours from 0 to 1, of bytes too."""
     given = None if colors is None else matrix_of("colors", colors)
     return given / 255 if given is not None and given.dtype == np.uint8 else given
 
 
 def read_scalars(path: Path) -> Dict[str, NDArray[np.float64]]:
-    """Read values of vertices: of a mesh, of GIFTI without a surface, or of FreeSurfer.
+    """Reads values of vertices: of a mesh, of GIFTI without a surface, or of FreeSurfer.
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ def write_mesh(
     overwrite: bool = True,
     text: bool = False,
 ) -> None:
-    """Write a mesh in the format that the name says, as `read_mesh` reads it.
+    """Writes a mesh in the format that the name says, as `read_mesh` reads it.
 
     Parameters
     ----------
@@ -182,7 +182,7 @@ def write_mesh(
 
 
 def mesh_from_bytes(data: bytes, format: MeshFormat, *, attributes: bool = False) -> Any:
-    """Read a mesh file that is in memory, not packed, as `read_mesh` reads one on disk.
+    """Reads a mesh file that is in memory, not packed, as `read_mesh` reads one on disk.
 
     Parameters
     ----------
@@ -216,7 +216,7 @@ def mesh_to_bytes(
     uv: Optional[ArrayLike] = None,
     text: bool = False,
 ) -> bytes:
-    """Return the content of a mesh file, as `write_mesh` writes it.
+    """Returns the content of a mesh file, as `write_mesh` writes it.
 
     Parameters
     ----------
@@ -241,7 +241,7 @@ def mesh_to_bytes(
 
 
 def warn(path: Path, notes: Sequence[str]) -> None:
-    """Turn notes about a file into warnings at the line that called this package."""
+    """Turns notes about a file into warnings at the line that called this package."""
     for note in notes:
         warn_caller(f"{os.fspath(path)}: {note}")
 
@@ -269,7 +269,7 @@ def laplacian(
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> Laplacian:
-    """Assemble the Laplacian of a mesh as matrices of scipy.sparse.
+    """Assembles the Laplacian of a mesh as matrices of scipy.sparse.
 
     Parameters
     ----------
@@ -315,7 +315,7 @@ def cloud_laplacian(
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> Laplacian:
-    """Assemble the Laplacian of the surface that points were sampled from.
+    """Assembles the Laplacian of the surface that points were sampled from.
 
     Around each point its nearest ones are triangulated in the plane that fits them; the result is
     the tufted Laplacian of all these triangles (Sharp and Crane 2020).
@@ -357,7 +357,7 @@ def cloud_laplacian(
 
 @takes_mesh
 def gradient(v: ArrayLike, f: ArrayLike) -> Any:
-    """Assemble the gradient of functions that are linear on faces.
+    """Assembles the gradient of functions that are linear on faces.
 
     Parameters
     ----------
@@ -388,7 +388,7 @@ def gradient(v: ArrayLike, f: ArrayLike) -> Any:
 
 @takes_mesh
 def divergence(v: ArrayLike, f: ArrayLike) -> Any:
-    """Assemble the divergence of vector fields that are constant on faces.
+    """Assembles the divergence of vector fields that are constant on faces.
 
     Parameters
     ----------
@@ -421,7 +421,7 @@ def divergence(v: ArrayLike, f: ArrayLike) -> Any:
 def dirichlet_energies(
     functions: ArrayLike, stiffness: Any, mass: Any = None
 ) -> NDArray[np.float64]:
-    """Compute the Dirichlet energy of each function: ``q W q / q M q`` (thesis, definition 7).
+    """Computes the Dirichlet energy of each function: ``q W q / q M q`` (thesis, definition 7).
 
     Parameters
     ----------
@@ -459,7 +459,7 @@ class Eigenpairs(NamedTuple):
     vectors: NDArray[np.float64]
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the values by matplotlib, the first one above 0."""
+        """Draws the values by matplotlib, the first one above 0."""
         ax = axes(ax)
         ax.plot(np.arange(len(self.values)), self.values, ".-")
         ax.set(xlabel="number", ylabel="eigenvalue")
@@ -473,7 +473,7 @@ def _refuse_options_of_meshes(
     boundary: Union[Boundary, ArrayLike] = "neumann",
     weld: bool = False,
 ) -> None:
-    """Refuse the options of `laplacian` where a matrix is given, which has no use for them."""
+    """Refuses the options of `laplacian` where a matrix is given, which has no use for them."""
     hint = "; that of a matrix is the second argument"
     for name, value, default, more in (
         ("kind", kind, "cotangent", ""),
@@ -507,7 +507,7 @@ def eigsh(
     progress: Progress = None,
     comm: Any = None,
 ) -> Eigenpairs:
-    """Compute the first eigenpairs of the Laplacian of a mesh, or of a sparse pencil.
+    """Computes the first eigenpairs of the Laplacian of a mesh, or of a sparse pencil.
 
     ``eigsh(v, f, k)`` and ``eigsh(mesh, k)`` take a mesh. ``eigsh(A, M, k)`` takes a symmetric
     positive semi-definite matrix of scipy.sparse and a mass: a positive definite one, a vector, or
@@ -618,7 +618,7 @@ def count_below(
     weld: bool = False,
     threads: Optional[int] = None,
 ) -> int:
-    """Count the eigenvalues below a value, by one factorization (Sylvester's inertia).
+    """Counts the eigenvalues below a value, by one factorization (Sylvester's inertia).
 
     ``count_below(v, f, value)`` and ``count_below(mesh, value)`` take a mesh, and
     ``count_below(A, M, value)`` a matrix and a mass, as `eigsh` takes them.
@@ -661,7 +661,7 @@ def free_components(
     boundary: Union[Boundary, ArrayLike] = "neumann",
     weld: bool = False,
 ) -> int:
-    """Count the eigenvalues that are zero whatever the shape is: the dimension of the kernel.
+    """Counts the eigenvalues that are zero whatever the shape is: the dimension of the kernel.
 
     There is one for each component of a mesh without a vertex held at zero, and for each component
     of the graph of a matrix and its mass, ``free_components(A, M)``, whose rows sum to zero.
@@ -692,7 +692,7 @@ def free_components(
 
 
 def own_rows(a: Any, mass: Any) -> Tuple[Any, Any]:
-    """Return the rows of a matrix and of its mass on this rank as the extension takes them."""
+    """Returns the rows of a matrix and of its mass on this rank as the extension takes them."""
     if not is_sparse(a):
         raise TypeError("v: with comm a matrix of scipy.sparse, of which each rank has some rows")
     if mass is None or is_sparse(mass):

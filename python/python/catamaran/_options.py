@@ -35,7 +35,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 def to_nearest(function: F) -> F:
-    """Make a function compute in the default floating-point environment, whatever the caller's."""
+    """Makes a function compute in the default floating-point environment, whatever the caller's."""
 
     @wraps(function)
     def computed(*arguments: Any, **named: Any) -> Any:
@@ -46,7 +46,7 @@ def to_nearest(function: F) -> F:
 
 
 def callback(progress: Progress) -> Optional[Callable[[int, int], Any]]:
-    """Return a callable of `done` and `total` for a callable or a progress bar."""
+    """Returns a callable of `done` and `total` for a callable or a progress bar."""
     if progress is None:
         return None
     if hasattr(progress, "update") and hasattr(progress, "n"):
@@ -64,7 +64,7 @@ def callback(progress: Progress) -> Optional[Callable[[int, int], Any]]:
 
 
 def part(progress: Progress, start: float, stop: float) -> Optional[Callable[[int, int], Any]]:
-    """Return a callable for the part of the progress from `start` to `stop`, as parts of 1."""
+    """Returns a callable for the part of the progress from `start` to `stop`, as parts of 1."""
     whole = callback(progress)
     if whole is None:
         return None
@@ -84,13 +84,13 @@ def products(
     threads: Optional[int],
     backend: Optional[Path],
 ) -> Tuple[str, str, Accuracy, bool, Optional[int], Optional[str]]:
-    """Return the options of a product as the extension takes them."""
+    """Returns the options of a product as the extension takes them."""
     library = None if backend is None else os.fspath(backend)
     return (uplo, scheme, accuracy, reproducible, threads, library)
 
 
 def is_sparse(a: Any) -> bool:
-    """Return whether `a` is a matrix of scipy.sparse, without importing it."""
+    """Returns whether `a` is a matrix of scipy.sparse, without importing it."""
     return hasattr(a, "tocsr") and hasattr(a, "nnz")
 
 
@@ -104,7 +104,7 @@ class Csr(NamedTuple):
 
 
 def csr(name: str, a: Any) -> Csr:
-    """Return a matrix of scipy.sparse as the extension takes it; anything else is refused.
+    """Returns a matrix of scipy.sparse as the extension takes it; anything else is refused.
 
     `name` is that of the argument, in errors.
     """
@@ -123,7 +123,7 @@ def csr(name: str, a: Any) -> Csr:
 
 
 def rows_of(name: str, a: Any) -> Any:
-    """Return a matrix, which may be one of scipy.sparse, as the extension takes its rows.
+    """Returns a matrix, which may be one of scipy.sparse, as the extension takes its rows.
 
     `name` is that of the argument, in errors.
     """
@@ -131,7 +131,7 @@ def rows_of(name: str, a: Any) -> Any:
 
 
 def matrix_of(name: str, a: Any) -> Any:
-    """Return a matrix of scipy.sparse as it is, anything else as an array without a mask; missing
+    """Returns a matrix of scipy.sparse as it is, anything else as an array without a mask; missing
     entries of a data frame are NaN."""
     import numpy as np
 
@@ -147,14 +147,14 @@ def matrix_of(name: str, a: Any) -> Any:
 
 
 def some(numbers: Any) -> Any:
-    """Return one number as a list of it, anything else as it is."""
+    """Returns one number as a list of it, anything else as it is."""
     import numpy as np
 
     return [numbers] if isinstance(numbers, (int, np.integer)) else numbers
 
 
 def to_scipy(parts: Tuple[Any, Any, Any, Tuple[int, int]]) -> Any:
-    """Return a `scipy.sparse.csr_array` of what the extension returns."""
+    """Returns a `scipy.sparse.csr_array` of what the extension returns."""
     # Not at the top: it takes as long to load as all else.
     from scipy.sparse import csr_array
 
@@ -163,12 +163,12 @@ def to_scipy(parts: Tuple[Any, Any, Any, Tuple[int, int]]) -> Any:
 
 
 def mass_of(mass: Optional[ArrayLike]) -> Any:
-    """Return a vector of masses or a sparse matrix as the extension takes it."""
+    """Returns a vector of masses or a sparse matrix as the extension takes it."""
     return csr("mass", mass) if is_sparse(mass) else mass
 
 
 def warn_caller(message: str) -> None:
-    """Issue a warning at the line outside of this package that called it."""
+    """Issues a warning at the line outside of this package that called it."""
     level, frame = 1, sys._getframe()
     while frame.f_back and frame.f_globals.get("__package__") == __package__:
         level, frame = level + 1, frame.f_back
@@ -182,7 +182,7 @@ def warn_of_pieces(
     shifted: bool,
     name: str,
 ) -> None:
-    """Warn of a mesh with several components, of vertices in no face, and of repeated faces.
+    """Warns of a mesh with several components, of vertices in no face, and of repeated faces.
 
     `pieces` are the components, those without a vertex held at zero, those that are left with
     `weld`, the vertices in no face, and the faces that repeat another. With `dirichlet` a mesh

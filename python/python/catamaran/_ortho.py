@@ -32,7 +32,7 @@ def qr(
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> Tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Factor a tall matrix of independent columns: ``a = q @ r``, by the Gram matrix.
+    """Factors a tall matrix of independent columns: ``a = q @ r``, by the Gram matrix.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def orthogonalize(
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> Orthonormal:
-    """Make an orthonormal basis of the columns of `a`, and leave out those that depend on others.
+    """Makes an orthonormal basis of the columns of `a`, and leaves out those that depend on others.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def orthogonalize(
 def orthogonality(
     q: ArrayLike, *, threads: Optional[int] = None, progress: Progress = None
 ) -> Tuple[float, float]:
-    """Return how far ``Q^T Q`` is from the identity, without rounding on the way.
+    """Returns how far ``Q^T Q`` is from the identity, without rounding on the way.
 
     Parameters
     ----------

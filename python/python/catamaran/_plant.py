@@ -60,7 +60,7 @@ def read_plant(
     individual: Optional[str] = None,
     unit: Tuple[float, float] = (1.0, 1.0),
 ) -> Plant:
-    """Read a plant: .txt of the reference implementation, .swc, .mtg, polylines in .obj.
+    """Reads a plant: .txt of the reference implementation, .swc, .mtg, polylines in .obj.
 
     A warning says what the file lacks, such as diameters, and what is assumed instead.
 
@@ -79,7 +79,7 @@ def read_plant(
 
 
 def grow_plant(nodes: int = 500, seed: int = 0) -> Plant:
-    """Generate a plant of so many segments.
+    """Generates a plant of so many segments.
 
     Examples
     --------
@@ -117,12 +117,12 @@ class Wilting:
         self.tails: NDArray[np.float64] = np.stack([pose[1] for pose in self._poses])
 
     def mesh(self, frame: int, *, sides: int = 6, thinnest: float = 0.0) -> Mesh:
-        """Return vertices and faces of tubes around the segments in a frame."""
+        """Returns vertices and faces of tubes around the segments in a frame."""
         pose = list(self._poses[frame])
         return Mesh(*_catamaran.tubes(self.plant._handle, pose, sides, thinnest))
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the water of the plant over the hours, by matplotlib."""
+        """Draws the water of the plant over the hours, by matplotlib."""
         ax = axes(ax)
         ax.plot(self.hours, self.water.sum(axis=1))
         ax.set(xlabel="hours", ylabel="water in kg")
@@ -151,7 +151,7 @@ def wilt(
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> Wilting:
-    """Let a plant dry out, and bend as it does.
+    """Lets a plant dry out, and bend as it does.
 
     Parameters
     ----------

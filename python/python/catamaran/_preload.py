@@ -15,7 +15,7 @@ NAME = "libcatamaran_blas.so"
 
 
 def find_library() -> str:
-    """Return the path of ``libcatamaran_blas.so``, or its name if the loader finds it by that.
+    """Returns the path of ``libcatamaran_blas.so``, or its name if the loader finds it by that.
 
     Raises
     ------
@@ -46,7 +46,7 @@ def find_library() -> str:
 
 
 def is_preloaded(environment: Optional[MutableMapping[str, str]] = None) -> bool:
-    """Return whether the library is in ``LD_PRELOAD`` already."""
+    """Returns whether the library is in ``LD_PRELOAD`` already."""
     found = (os.environ if environment is None else environment).get("LD_PRELOAD", "")
     names = found.replace(":", " ").split()
     given = os.environ.get("CATAMARAN_BLAS_LIBRARY")
@@ -54,7 +54,7 @@ def is_preloaded(environment: Optional[MutableMapping[str, str]] = None) -> bool
 
 
 def _run(arguments: List[str]) -> NoReturn:
-    """Replace this process by Python with the library."""
+    """Replaces this process by Python with the library."""
     if not sys.platform.startswith("linux"):
         raise OSError(f"LD_PRELOAD is for Linux, and this is {sys.platform}")
     environment = dict(os.environ)
@@ -67,7 +67,7 @@ def _run(arguments: List[str]) -> NoReturn:
 
 
 def numpy_speedup(mode: Optional[str] = None) -> None:
-    """Start this program again with Catamaran's BLAS under numpy; call it first of all.
+    """Starts this program again with Catamaran's BLAS under numpy; to be called first of all.
 
     Returns at once when the library is loaded already, so that the program goes on. In an
     interactive session, and under debuggers, there is no program to start again: use
@@ -98,7 +98,7 @@ def numpy_speedup(mode: Optional[str] = None) -> None:
 
 
 def main(arguments: Optional[List[str]] = None) -> int:
-    """Run ``python -m catamaran.preload`` with these arguments."""
+    """Runs ``python -m catamaran.preload`` with these arguments."""
     arguments = sys.argv[1:] if arguments is None else arguments
     if not arguments or arguments[0] in ("-h", "--help"):
         print(

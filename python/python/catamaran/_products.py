@@ -29,7 +29,7 @@ __all__ = ["Accumulator", "Verification", "ata", "corrcoef", "cov", "plan", "ver
 
 
 def _center(center: Any) -> Any:
-    """Return None, True for the mean, or a row."""
+    """Returns None, True for the mean, or a row."""
     if center is None or center is False:
         return None
     if center is True or isinstance(center, str):
@@ -40,7 +40,7 @@ def _center(center: Any) -> Any:
 
 
 def is_wide(a: Any, dtype: Optional[DTypeLike]) -> bool:
-    """Return whether `dtype` asks for a result of float64; refuse another one than that of `a`."""
+    """Returns whether `dtype` asks for a result of float64; refuses another than that of `a`."""
     if dtype is None:
         return False
     wide = bool(np.dtype(dtype) == np.float64)
@@ -68,7 +68,7 @@ def ata(
     progress: Progress = None,
     comm: Any = None,
 ) -> NDArray[Any]:
-    """Compute ``alpha A^T A + beta C``, or ``alpha A^T B + beta C``.
+    """Computes ``alpha A^T A + beta C``, or ``alpha A^T B + beta C``.
 
     Complex matrices are conjugated: ``A^H A`` and ``A^H B``. For ``A A^T`` pass ``a.T``, which
     costs nothing: arrays may have any strides, and no copy is made of float32, float64, complex64
@@ -207,7 +207,7 @@ def verify(
     rounds: int = 20,
     seed: int = 0,
 ) -> Verification:
-    """Check a product ``C = alpha A^T A`` of `ata` with random vectors (Freivalds 1977).
+    """Checks a product ``C = alpha A^T A`` of `ata` with random vectors (Freivalds 1977).
 
     It takes O(rounds (m n + n^2)) operations, where the product takes O(m n^2).
 
@@ -262,7 +262,7 @@ def cov(
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> NDArray[Any]:
-    """Compute the covariance matrix of the columns of `a`.
+    """Computes the covariance matrix of the columns of `a`.
 
     As `numpy.cov`, except that variables are columns: ``rowvar=True`` says that they are rows.
 
@@ -331,7 +331,7 @@ def cov(
 def corrcoef(
     a: ArrayLike, *, rowvar: bool = False, threads: Optional[int] = None, progress: Progress = None
 ) -> NDArray[np.float64]:
-    """Compute the correlation matrix of the columns of `a`, in extended precision.
+    """Computes the correlation matrix of the columns of `a`, in extended precision.
 
     Entries are wrong by little more than one rounding, also where columns are far from zero beside
     their deviations. A column without variance has NaN.
@@ -375,7 +375,7 @@ def plan(
     backend: Optional[Path] = None,
     threads: Optional[int] = None,
 ) -> _catamaran.Plan:
-    """Return what `ata` will do for an m x n matrix, and why.
+    """Returns what `ata` will do for an m x n matrix, and why.
 
     Parameters
     ----------
@@ -499,7 +499,7 @@ class Accumulator(_catamaran.Accumulator):
         threads: Optional[int] = None,
         progress: Progress = None,
     ) -> None:
-        """Add rows (any number x columns), with a weight for each or none."""
+        """Adds rows (any number x columns), with a weight for each or none."""
         refuse_other_rows(rows, weights=weights)
         options = products("both", scheme, accuracy, False, threads, None)
         self._add(rows, weights, options, callback(progress))
@@ -514,7 +514,7 @@ class Accumulator(_catamaran.Accumulator):
         threads: Optional[int] = None,
         progress: Progress = None,
     ) -> None:
-        """Add the rows of a .npy file, or of a dataset of HDF5 ("a.h5:/x") in a package with that
+        """Adds the rows of a .npy file, or of a dataset of HDF5 ("a.h5:/x") in a package with that
         feature, with a weight for each or none. Blocks of rows are in memory, never the whole
         file; notes about the file are warnings."""
         options = products("both", scheme, accuracy, False, threads, None)
@@ -529,28 +529,28 @@ class Accumulator(_catamaran.Accumulator):
         threads: Optional[int] = None,
         progress: Progress = None,
     ) -> None:
-        """Remove rows that were added to exact sums, with the same weights."""
+        """Removes rows that were added to exact sums, with the same weights."""
         refuse_other_rows(rows, weights=weights)
         options = products("both", "auto", "default", False, threads, None)
         self._remove(rows, weights, options, callback(progress))
 
     def merge(self, other: Accumulator) -> None:
-        """Add the rows of another accumulator, which stays as it is. An error changes neither."""
+        """Adds the rows of another accumulator, which stays as it is. An error changes neither."""
         self._merge(other)
 
     def result(self, *, alpha: float = 1.0, uplo: Triangle = "both") -> NDArray[Any]:
-        """Return ``alpha A^T W A``, about the mean with `center`; more rows may come after it."""
+        """Returns ``alpha A^T W A``, about the mean with `center`; more rows may come after it."""
         return self._result(alpha, uplo)
 
     def cov(self, *, ddof: int = 1) -> NDArray[Any]:
-        """Return the covariance matrix; needs `center`."""
+        """Returns the covariance matrix; needs `center`."""
         return self._cov(ddof)
 
     def extended(
         self, *, threads: Optional[int] = None
     ) -> Tuple[Tuple[NDArray[np.float64], ...], bool]:
-        """Return C of extended sums as three lower triangles that add up to it, about 159 bits, and
-        whether no entry of the rows was rounded."""
+        """Returns C of extended sums as three lower triangles that add up to it, about 159 bits,
+        and whether no entry of the rows was rounded."""
         parts, exact = self._extended(threads)
         return tuple(parts), exact
 
@@ -564,7 +564,7 @@ class Accumulator(_catamaran.Accumulator):
         standard_errors: bool = True,
         threads: Optional[int] = None,
     ) -> LeastSquares:
-        """Solve for the last `targets` columns of extended sums; see `catamaran.lstsq`."""
+        """Solves for the last `targets` columns of extended sums; see `catamaran.lstsq`."""
         options = fit_options(ridge, intercept, rank_deficiency, standard_errors, threads)
         return solution(self._lstsq(targets, options), False)
 
@@ -576,7 +576,7 @@ class Accumulator(_catamaran.Accumulator):
         whiten: bool = False,
         threads: Optional[int] = None,
     ) -> PrincipalComponents:
-        """Compute the principal components of float64 sums about the mean; see `catamaran.pca`.
+        """Computes the principal components of float64 sums about the mean; see `catamaran.pca`.
 
         Unless the sums are extended, components whose singular values are below about 1e-7 of the
         largest are left out: they are rounding.
@@ -584,13 +584,13 @@ class Accumulator(_catamaran.Accumulator):
         return PrincipalComponents(**self._pca(n_components, standardize, whiten, threads))
 
     def save(self, path: Path) -> None:
-        """Write the sums to a file, which appears whole or not at all and replaces an older one.
+        """Writes the sums to a file, which appears whole or not at all and replaces an older one.
         ``catamaran ata-merge`` reads it, too."""
         self._save(path)
 
     @classmethod
     def load(cls, path: Path) -> Accumulator:
-        """Read the sums of `save`, or of ``catamaran ata --accumulator``."""
+        """Reads the sums of `save`, or of ``catamaran ata --accumulator``."""
         sums = cls(1)
         sums._load(path)
         return sums

@@ -21,7 +21,7 @@ BLOCK = 4096
 
 
 def gathered(comm: Any, work: Callable[[], Any]) -> List[Any]:
-    """Return what `work` returns on each rank. If it fails on one, every rank raises an error."""
+    """Returns what `work` returns on each rank. If it fails on one, every rank raises an error."""
     if not hasattr(comm, "allgather"):
         kind = type(comm).__name__
         raise TypeError(f"comm: expected a communicator, such as MPI.COMM_WORLD, got a {kind}")
@@ -41,7 +41,7 @@ def gathered(comm: Any, work: Callable[[], Any]) -> List[Any]:
 
 
 def of_first(comm: Any, work: Callable[[], Any]) -> Any:
-    """Return on every rank what `work` returns on rank 0, or raise an error on every rank."""
+    """Returns on every rank what `work` returns on rank 0, or raises an error on every one."""
     return gathered(comm, lambda: work() if comm.rank == 0 else None)[0]
 
 
@@ -55,7 +55,7 @@ def sums(
     dtype: Optional[DTypeLike],
     more: Dict[str, Any],
 ) -> Any:
-    """Return an `Accumulator` over the rows ``[A B]`` of all ranks on rank 0, and None on the
+    """Returns an `Accumulator` over the rows ``[A B]`` of all ranks on rank 0, and None on the
     others. Exact and extended sums have the same bytes for any number of ranks and any distribution
     of the rows. `more` is for `Accumulator.add`."""
     parts: List[NDArray[Any]] = []
@@ -142,7 +142,7 @@ def sums(
 
 
 def blocks(parts: List[NDArray[Any]], weights: Optional[NDArray[Any]]) -> Iterator[Any]:
-    """Yield rows, of A and B side by side, and their weights."""
+    """Yields rows, of A and B side by side, and their weights."""
     if len(parts) == 1:
         yield parts[0], weights
         return
@@ -155,6 +155,6 @@ def blocks(parts: List[NDArray[Any]], weights: Optional[NDArray[Any]]) -> Iterat
 
 
 def joined(one: Accumulator, other: Accumulator) -> Accumulator:
-    """Add the sums of `other` to those of `one`."""
+    """Adds the sums of `other` to those of `one`."""
     one.merge(other)
     return one

@@ -17,7 +17,7 @@ __all__ = ["cut", "enclosed_faces", "region_boundary"]
 
 @takes_mesh
 def cut(v: ArrayLike, f: ArrayLike, along: ArrayLike) -> Part:
-    """Cut a mesh open along edges.
+    """Cuts a mesh open along edges.
 
     A vertex whose faces the edges separate becomes several ones. Faces keep their order.
 
@@ -57,7 +57,7 @@ def enclosed_faces(
     side: Side = "small",
     seeds: Optional[ArrayLike] = None,
 ) -> NDArray[np.bool_]:
-    """Find the region that curves along edges enclose.
+    """Finds the region that curves along edges enclose.
 
     The result is a mask: ``a | b``, ``a & b``, ``a & ~b``, ``a ^ b`` and ``~a`` are unions,
     intersections, differences and complements of regions, ``mesh.face_areas[a].sum()`` is the area
@@ -97,7 +97,7 @@ def enclosed_faces(
 
 @takes_mesh
 def region_boundary(v: ArrayLike, f: ArrayLike, region: ArrayLike) -> NDArray[Any]:
-    """Find the edges between a region and the rest of a mesh.
+    """Finds the edges between a region and the rest of a mesh.
 
     Parameters
     ----------

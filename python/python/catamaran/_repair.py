@@ -43,7 +43,7 @@ def repair(
     orient: bool = False,
     progress: Progress = None,
 ) -> Repaired:
-    """Repair a mesh by the requested steps, in the order of the parameters.
+    """Repairs a mesh by the requested steps, in the order of the parameters.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def repair(
 
 
 def without_collapsed(f: Any) -> Tuple[Any, int]:
-    """Return faces without those that have a vertex twice, and the number of these."""
+    """Returns faces without those that have a vertex twice, and the number of these."""
     faces = array_of("f", f)
     if faces.ndim != 2 or faces.shape[1] != 3:
         # The error of the extension says so.

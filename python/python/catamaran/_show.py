@@ -11,7 +11,7 @@ MOST_ROWS = 20
 
 
 def table(columns: Mapping[str, Sequence[Any]]) -> str:
-    """Return columns of equal lengths, with their names, as lines of text."""
+    """Returns columns of equal lengths, with their names, as lines of text."""
     count = min((len(column) for column in columns.values()), default=0)
     shown = list(range(count))
     if count > MOST_ROWS:
@@ -28,12 +28,12 @@ def table(columns: Mapping[str, Sequence[Any]]) -> str:
 
 
 def text(value: Any) -> str:
-    """Return a number with six digits, anything else as it is."""
+    """Returns a number with six digits, anything else as it is."""
     return value if isinstance(value, str) else f"{value:.6g}"
 
 
 def axes(ax: Any, **more: Any) -> Any:
-    """Return the axes to draw on: `ax`, or those of a new figure of matplotlib.
+    """Returns the axes to draw on: `ax`, or those of a new figure of matplotlib.
 
     Raises
     ------

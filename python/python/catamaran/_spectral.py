@@ -110,7 +110,7 @@ class Eigenbasis(_catamaran.Eigenbasis):
         *,
         threads: Optional[int] = None,
     ) -> NDArray[np.float64]:
-        """Multiply the coefficients of functions.
+        """Multiplies the coefficients of functions.
 
         Parameters
         ----------
@@ -136,20 +136,20 @@ class Eigenbasis(_catamaran.Eigenbasis):
     def split(
         self, functions: ArrayLike, *, threads: Optional[int] = None
     ) -> Tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return the nearest functions in the basis, and the details: what is left of them."""
+        """Returns the nearest functions in the basis, and the details: what is left of them."""
         low = self.filter(functions, np.ones_like, threads=threads)
         return low, np.asarray(functions) - low
 
     def add_coefficient(
         self, functions: ArrayLike, index: int, amount: float
     ) -> NDArray[np.float64]:
-        """Return functions (n x c, or n numbers) with `amount` more of the coefficient of the
+        """Returns functions (n x c, or n numbers) with `amount` more of the coefficient of the
         function `index` of the basis, from 0: that many times the function is added to each."""
         found = self._add_coefficient(functions, index, amount)
         return found[:, 0] if np.ndim(functions) == 1 else found
 
     def global_point_signature(self) -> NDArray[np.float64]:
-        """Compute the global point signature (Rustamov 2007): the functions over the roots of
+        """Computes the global point signature (Rustamov 2007): the functions over the roots of
         their eigenvalues, a column for each one that is not 0; without unit."""
         return self._point_signature()
 
@@ -160,7 +160,7 @@ class Eigenbasis(_catamaran.Eigenbasis):
         times: Optional[ArrayLike] = None,
         threads: Optional[int] = None,
     ) -> Tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Compute heat kernel signatures (Sun, Ovsjanikov and Guibas 2009).
+        """Computes heat kernel signatures (Sun, Ovsjanikov and Guibas 2009).
 
         Parameters
         ----------
@@ -183,7 +183,7 @@ class Eigenbasis(_catamaran.Eigenbasis):
     def wave_kernel_signature(
         self, count: int = 100, *, threads: Optional[int] = None
     ) -> Tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Compute wave kernel signatures (Aubry, Schlickewei and Cremers 2011).
+        """Computes wave kernel signatures (Aubry, Schlickewei and Cremers 2011).
 
         Parameters
         ----------
@@ -223,7 +223,7 @@ def _bases(
     threads: Optional[int],
     progress: Progress,
 ) -> Tuple[List[Eigenbasis], Progress]:
-    """Return a basis of each shape, and the progress of what is computed with them."""
+    """Returns a basis of each shape, and the progress of what is computed with them."""
     bases: List[Eigenbasis] = []
     start = 0.0
     for shape, k in zip(shapes, lens):
@@ -264,7 +264,7 @@ def eigenproducts(
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> Eigenproducts:
-    """Compute a basis of the products of at most `order` eigenfunctions.
+    """Computes a basis of the products of at most `order` eigenfunctions.
 
     ``eigenproducts(v, f, k, order)`` takes a mesh, ``eigenproducts(basis, order=order)`` an
     `Eigenbasis`.
@@ -319,7 +319,7 @@ class FunctionalMap(NamedTuple):
     points: NDArray[Any]
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the sizes of the coefficients by matplotlib."""
+        """Draws the sizes of the coefficients by matplotlib."""
         ax = axes(ax)
         ax.imshow(np.abs(self.map))
         ax.set(xlabel="function of the source", ylabel="function of the target")
@@ -327,7 +327,7 @@ class FunctionalMap(NamedTuple):
 
 
 def _searched(shapes: Tuple[Shape, Shape]) -> Optional[Tuple[Any, Any]]:
-    """Return the arrays of two meshes; None where one of them is a basis."""
+    """Returns the arrays of two meshes; None where one of them is a basis."""
     if any(isinstance(shape, Eigenbasis) for shape in shapes):
         return None
     source, target = (mesh_arrays(shape) or shape for shape in shapes)
@@ -349,7 +349,7 @@ def functional_map(
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> FunctionalMap:
-    """Find which functions and vertices of two meshes correspond.
+    """Finds which functions and vertices of two meshes correspond.
 
     Without landmarks and functions, the map between two meshes is searched for: the one that
     commutes best with the Laplacians and keeps left and right. A warning tells where another map
@@ -432,7 +432,7 @@ def product_map(
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> NDArray[np.float64]:
-    """Extend a functional map to orthogonalized products of eigenfunctions (thesis, section 1.3.3).
+    """Extends a functional map to orthogonal products of eigenfunctions (thesis, section 1.3.3).
 
     The image of a product is the product of the images. The matrix of all products is never
     stored. The map must be exact, or nearly so: the error grows fast otherwise, where `transfer`,
@@ -486,7 +486,7 @@ def shot(
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> NDArray[np.float64]:
-    """Compute SHOT descriptors (Tombari, Salti and Di Stefano 2010): histograms of normals in the
+    """Computes SHOT descriptors (Tombari, Salti and Di Stefano 2010): histograms of normals in the
     parts of a ball around each vertex.
 
     They stay the same under rigid motions, and under scaling together with the radius.
@@ -525,7 +525,7 @@ def geodesic_rings(
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> NDArray[np.float64]:
-    """Compute means of functions over rings of distance along edges around each vertex.
+    """Computes means of functions over rings of distance along edges around each vertex.
 
     Parameters
     ----------
@@ -570,7 +570,7 @@ def transfer(
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> NDArray[np.float64]:
-    """Transfer functions from a mesh to another one, through products of eigenfunctions.
+    """Transfers functions from a mesh to another one, through products of eigenfunctions.
 
     Parameters
     ----------
@@ -628,7 +628,7 @@ def transfer_details(
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> Mesh:
-    """Give a mesh the details of another one, in its own pose.
+    """Gives a mesh the details of another one, in its own pose.
 
     Details are the heights of the source over its smooth part, along the normals of that part; they
     replace those of the target.
@@ -705,7 +705,7 @@ def shape_from_spectrum(
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> ShapeFromSpectrum:
-    """Deform a template until the first eigenvalues of its Laplacian are those given.
+    """Deforms a template until the first eigenvalues of its Laplacian are those given.
 
     Many surfaces have the same eigenvalues: the result is one near the template, or falls short of
     the tolerance.

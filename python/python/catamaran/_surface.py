@@ -74,19 +74,19 @@ class Mesh(_Arrays):
         return super().__new__(cls, *map(array_of, ("v", "f"), found))
 
     def to_trimesh(self, **options: Any) -> Any:
-        """Return a `trimesh.Trimesh` with these vertices and faces; `options` go to it."""
+        """Returns a `trimesh.Trimesh` with these vertices and faces; `options` go to it."""
         import trimesh
 
         return trimesh.Trimesh(self.v, self.f, **{"process": False, **options})
 
     def to_meshio(self, **options: Any) -> Any:
-        """Return a `meshio.Mesh`, for files of other formats; `options` go to it."""
+        """Returns a `meshio.Mesh`, for files of other formats; `options` go to it."""
         import meshio
 
         return meshio.Mesh(self.v, [("triangle", self.f)], **options)
 
     def to_pyvista(self) -> Any:
-        """Return a `pyvista.PolyData`."""
+        """Returns a `pyvista.PolyData`."""
         import pyvista
 
         corners = np.full((len(self.f), 1), 3)
@@ -160,12 +160,12 @@ class Mesh(_Arrays):
         return loops
 
     def intersecting_faces(self, *, threads: Optional[int] = None) -> NDArray[Any]:
-        """Return the faces that meet another one away from common corners and edges, ascending."""
+        """Returns the faces that meet another one away from common corners and edges, ascending."""
         faces: NDArray[Any] = self._measure("intersecting_faces", threads)
         return faces
 
     def validate(self) -> Validation:
-        """Count vertices, edges, faces and components, and list problems of the mesh.
+        """Counts vertices, edges, faces and components, and lists problems of the mesh.
 
         Examples
         --------
@@ -177,12 +177,12 @@ class Mesh(_Arrays):
         return Validation(**_catamaran.validate(self.v, self.f))
 
     def quality(self) -> Quality:
-        """Measure how uniform the mesh is."""
+        """Measures how uniform the mesh is."""
         numbers, edges = _catamaran.quality(self.v, self.f)
         return Quality._make([*numbers, edges])
 
     def compare(self, other: MeshOrArrays, *, threads: Optional[int] = None) -> Comparison:
-        """Measure how far the surface is from that of another mesh, and the other way round.
+        """Measures how far the surface is from that of another mesh, and the other way round.
 
         Distances are those of the vertices, and of 100,000 points spread over each surface.
         """
@@ -190,15 +190,15 @@ class Mesh(_Arrays):
         return Comparison(OneSided(*out), OneSided(*back))
 
     def submesh(self, faces: ArrayLike) -> Part:
-        """Return the part of these faces, given by their numbers."""
+        """Returns the part of these faces, given by their numbers."""
         return part(_catamaran.submesh(self.v, self.f, faces))
 
     def component(self, number: int) -> Part:
-        """Return a component, as `components` numbers them from 0."""
+        """Returns a component, as `components` numbers them from 0."""
         return part(_catamaran.component(self.v, self.f, number))
 
     def plot(self, values: Optional[ArrayLike] = None, ax: Any = None, **options: Any) -> Any:
-        """Draw the mesh by matplotlib.
+        """Draws the mesh by matplotlib.
 
         Parameters
         ----------
@@ -234,7 +234,7 @@ class Part(NamedTuple):
 
 
 def part(found: Any) -> Part:
-    """Return a part of the extension."""
+    """Returns a part of the extension."""
     mesh, vertices, faces = found
     return Part(Mesh(*mesh), vertices, faces)
 
@@ -253,7 +253,7 @@ class Refined(NamedTuple):
 
     @to_nearest
     def carried(self, values: ArrayLike) -> NDArray[Any]:
-        """Return values at the vertices of the finer mesh, linear on coarse faces.
+        """Returns values at the vertices of the finer mesh, linear on coarse faces.
 
         Parameters
         ----------
@@ -264,7 +264,7 @@ class Refined(NamedTuple):
 
 
 def blended(values: Any, corners: Any, weights: Any, used: Any) -> NDArray[Any]:
-    """Return values at points, given by three vertices and their weights each.
+    """Returns values at points, given by three vertices and their weights each.
 
     `values` have a row for each vertex, `used` are all vertices that need one. Rounding leaves no
     result outside of the values at the three.
@@ -283,7 +283,7 @@ def blended(values: Any, corners: Any, weights: Any, used: Any) -> NDArray[Any]:
 
 
 def refined(found: Any) -> Refined:
-    """Return a finer mesh of the extension."""
+    """Returns a finer mesh of the extension."""
     mesh, faces, vertices, weights = found
     return Refined(Mesh(*mesh), faces, vertices, weights)
 
@@ -311,7 +311,7 @@ MeshOrArrays = Union[MeshLike, Tuple[ArrayLike, ArrayLike]]
 
 
 def mesh_arrays(mesh: Any) -> Optional[Tuple[Any, Any]]:
-    """Return vertices and faces of a mesh of this package, trimesh, meshio or pyvista; None for
+    """Returns vertices and faces of a mesh of this package, trimesh, meshio or pyvista; None for
     any other object, such as an array.
 
     Raises
@@ -347,12 +347,12 @@ def mesh_arrays(mesh: Any) -> Optional[Tuple[Any, Any]]:
 
 
 def array_of(name: str, a: Any) -> Any:
-    """Return an array as it is, a list as an array; a mask is refused."""
+    """Returns an array as it is, a list as an array; a mask is refused."""
     return a if type(a) is np.ndarray else matrix_of(name, a)
 
 
 def needed(name: str, mesh: Any) -> Tuple[Any, Any]:
-    """Return vertices and faces of a mesh, or of a pair of them."""
+    """Returns vertices and faces of a mesh, or of a pair of them."""
     found = mesh_arrays(mesh) or mesh
     if not isinstance(found, (tuple, list)) or len(found) != 2:
         kind = type(mesh).__name__
@@ -361,7 +361,7 @@ def needed(name: str, mesh: Any) -> Tuple[Any, Any]:
 
 
 def refuse_others(v: Any) -> None:
-    """Refuse what people take for a mesh: the name of a file, and a scene of trimesh.
+    """Refuses what people take for a mesh: the name of a file, and a scene of trimesh.
 
     Raises
     ------
@@ -381,7 +381,7 @@ V = TypeVar("V", contravariant=True)
 
 
 def with_mesh(function: F) -> F:
-    """Make a function of (v, f, ...) take a mesh as (mesh, ...), too."""
+    """Makes a function of (v, f, ...) take a mesh as (mesh, ...), too."""
 
     @wraps(function)
     def taking(v: Any, *arguments: Any, **named: Any) -> Any:
@@ -404,5 +404,5 @@ class MeshFunction(Protocol[V, P, R]):
 
 
 def takes_mesh(function: Callable[Concatenate[V, V, P], R]) -> MeshFunction[V, P, R]:
-    """Do as `with_mesh`, and tell type checkers."""
+    """Does as `with_mesh`, and tells type checkers."""
     return cast(MeshFunction[V, P, R], with_mesh(function))

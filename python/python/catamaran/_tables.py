@@ -53,7 +53,7 @@ class Table:
         return table({name: self.values[:, j] for j, name in enumerate(names)})
 
     def factor(self, column: Union[int, str]) -> Factor:
-        """Return a factor, given by its name or its place, as `lstsq` takes it."""
+        """Returns a factor, given by its name or its place, as `lstsq` takes it."""
         place = column
         if isinstance(column, str) and column in self.names:
             place = self.names.index(column)
@@ -84,7 +84,7 @@ def read(
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> Table:
-    """Read a matrix from a text table, .npy or MatrixMarket, each also packed (.gz, .xz,
+    """Reads a matrix from a text table, .npy or MatrixMarket, each also packed (.gz, .xz,
     .bz2, .zst, .zip), or from Parquet or Arrow (Feather).
 
     By default the beginning of a table decides how it is read. Where that leaves two ways open,
@@ -212,7 +212,7 @@ def read(
 def listed(
     columns: Union[None, int, str, range, Sequence[Union[int, str]]],
 ) -> Optional[List[str]]:
-    """Return columns, or words, as the extension takes them: a list, with numbers as text."""
+    """Returns columns, or words, as the extension takes them: a list, with numbers as text."""
     if columns is None:
         return None
     if isinstance(columns, (str, int, np.integer)):

@@ -27,7 +27,7 @@ class Slime(NamedTuple):
     coverage: NDArray[np.float64]
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the texture by matplotlib, the largest pheromone of any species at each texel."""
+        """Draws the texture by matplotlib, the largest pheromone of any species at each texel."""
         ax = axes(ax)
         ax.imshow(self.texture.max(axis=0), origin="lower", extent=(0, 1, 0, 1))
         ax.set(xlabel="u", ylabel="v")
@@ -62,7 +62,7 @@ def slime(
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> Slime:
-    """Let slime moulds grow over a mesh, as a texture.
+    """Lets slime moulds grow over a mesh, as a texture.
 
     Parameters
     ----------
@@ -156,7 +156,7 @@ class Fractal(NamedTuple):
     convergence: NDArray[np.float32]
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the roots of a plane by matplotlib, the largest y at the top."""
+        """Draws the roots of a plane by matplotlib, the largest y at the top."""
         if self.roots.ndim != 2:
             raise ValueError("plot: only the points of a plane can be drawn")
         ax = axes(ax)
@@ -183,7 +183,7 @@ def newton(
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> Fractal:
-    """Compute Newton's fractal in four dimensions, at points or on a grid.
+    """Computes Newton's fractal in four dimensions, at points or on a grid.
 
     Parameters
     ----------

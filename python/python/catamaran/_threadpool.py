@@ -14,7 +14,7 @@ __all__ = ["register"]
 
 
 def register() -> None:
-    """Register the extension as a library with threads, if threadpoolctl is installed."""
+    """Registers the extension as a library with threads, if threadpoolctl is installed."""
     try:
         import threadpoolctl
     except ImportError:

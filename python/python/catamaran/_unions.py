@@ -35,7 +35,7 @@ def shape_dna(
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> NDArray[np.float64]:
-    """Compute the first eigenvalues of the Laplacian: a signature of the shape that does not
+    """Computes the first eigenvalues of the Laplacian: a signature of the shape that does not
     depend on its pose.
 
     As many of them are zero as the mesh has components: a warning says so where there are several.
@@ -98,7 +98,7 @@ class RetrievalMetric:
         poses_only: bool = False,
         spectrum: str = "",
     ) -> RetrievalMetric:
-        """Fit a metric to spectra of shapes, some of which have several poses.
+        """Fits a metric to spectra of shapes, some of which have several poses.
 
         Parameters
         ----------
@@ -156,15 +156,15 @@ class RetrievalMetric:
 
     @classmethod
     def load(cls, path: Union[str, os.PathLike[str]]) -> RetrievalMetric:
-        """Read a metric that `save` or ``catamaran shapedna --fit-metric`` wrote."""
+        """Reads a metric that `save` or ``catamaran shapedna --fit-metric`` wrote."""
         return cls(_catamaran.MetricHandle.read(path))
 
     def save(self, path: Union[str, os.PathLike[str]]) -> None:
-        """Write the metric to a file in JSON, which is replaced if it exists."""
+        """Writes the metric to a file in JSON, which is replaced if it exists."""
         self._handle.write(path)
 
     def distances(self, queries: ArrayLike, shapes: ArrayLike) -> NDArray[np.float64]:
-        """Compute the distance of each query from each shape.
+        """Computes the distance of each query from each shape.
 
         Parameters
         ----------
@@ -196,7 +196,7 @@ class RetrievalMetric:
 
 
 def _metric_of(content: bytes) -> RetrievalMetric:
-    """Return the metric of the bytes of a file."""
+    """Returns the metric of the bytes of a file."""
     return RetrievalMetric(_catamaran.MetricHandle.from_bytes(content))
 
 
@@ -219,7 +219,7 @@ def union_spectrum(
     weld: bool = False,
     progress: Progress = None,
 ) -> UnionSpectrum:
-    """Predict the spectrum of the union of parts of a surface, wherever the parts are.
+    """Predicts the spectrum of the union of parts of a surface, wherever the parts are.
 
     Parameters
     ----------
@@ -261,7 +261,7 @@ def union_spectrum(
 
 
 def interpolate_spectra(first: ArrayLike, second: ArrayLike, t: float) -> NDArray[np.float64]:
-    """Return the spectrum ``(1 - t) first + t second`` between two spectra of parts, of which
+    """Returns the spectrum ``(1 - t) first + t second`` between two spectra of parts, of which
     `union_spectrum` and `shape_from_spectrum` make unions and shapes (thesis, section 2.6.2).
 
     Parameters
@@ -292,12 +292,12 @@ def interpolate_spectra(first: ArrayLike, second: ArrayLike, t: float) -> NDArra
 
 
 def listed(parts: Sequence[Any]) -> List[Any]:
-    """Return parts as the extension takes them."""
+    """Returns parts as the extension takes them."""
     return [mesh_arrays(part) or part for part in parts]
 
 
 def warn_of_parts(pieces: Sequence[Optional[Tuple[int, int, int, int, int]]]) -> None:
-    """Warn of parts of several components, with vertices in no face, or with repeated faces."""
+    """Warns of parts of several components, with vertices in no face, or with repeated faces."""
     for i, of_part in enumerate(pieces):
         if of_part is not None:
             warn_of_pieces(of_part, dirichlet=False, shifted=False, name=f"part {i}")
@@ -312,7 +312,7 @@ def locate_union(
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> NDArray[np.float64]:
-    """Find where the union of parts of a human is on the template of the network.
+    """Finds where the union of parts of a human is on the template of the network.
 
     Parameters
     ----------

@@ -70,7 +70,7 @@ class PCA(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimator):
         self.threads = threads
 
     def fit(self, X: Any, y: Any = None) -> PCA:
-        """Fit to the rows of X."""
+        """Fits to the rows of X."""
         X = validate_data(self, X, dtype=FLOATS, ensure_min_samples=2)
         found = pca(
             X,
@@ -83,7 +83,7 @@ class PCA(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimator):
         return self._set(found, X.shape[0])
 
     def partial_fit(self, X: Any, y: Any = None) -> PCA:
-        """Fit to the rows of X and those of the calls before."""
+        """Fits to the rows of X and those of the calls before."""
         sums: Optional[Accumulator] = getattr(self, "_sums", None)
         X = validate_data(self, X, dtype=FLOATS, reset=sums is None)
         if sums is None:
@@ -131,19 +131,19 @@ class PCA(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimator):
         )
 
     def transform(self, X: Any) -> Any:
-        """Return the scores of rows."""
+        """Returns the scores of rows."""
         check_is_fitted(self)
         X = validate_data(self, X, dtype=FLOATS, reset=False)
         return self._found(self.whiten).transform(X).astype(X.dtype, copy=False)
 
     def inverse_transform(self, X: Any) -> Any:
-        """Return the rows of scores."""
+        """Returns the rows of scores."""
         check_is_fitted(self)
         return self._found(self.whiten).inverse_transform(np.asarray(X))
 
     @to_nearest
     def score_samples(self, X: Any) -> Any:
-        """Return the logarithm of the density of each row, for the normal distribution whose
+        """Returns the logarithm of the density of each row, for the normal distribution whose
         variance is that of the components along them and `noise_variance_` across.
 
         Source: M. Tipping and C. Bishop, Probabilistic principal component analysis, 1999.
@@ -168,7 +168,7 @@ class PCA(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimator):
         return -0.5 * (found + size)
 
     def score(self, X: Any, y: Any = None) -> float:
-        """Return the mean of `score_samples`."""
+        """Returns the mean of `score_samples`."""
         return float(np.mean(self.score_samples(X)))
 
     def __sklearn_tags__(self) -> Any:
@@ -206,7 +206,7 @@ class _Linear(MultiOutputMixin, RegressorMixin, BaseEstimator):
 
     @to_nearest
     def predict(self, X: Any) -> Any:
-        """Return the targets of rows."""
+        """Returns the targets of rows."""
         check_is_fitted(self)
         X = validate_data(self, X, dtype=FLOATS, reset=False)
         return X @ self.coef_.T + self.intercept_
@@ -233,7 +233,7 @@ class Ridge(_Linear):
         self.threads = threads
 
     def fit(self, X: Any, y: Any, sample_weight: Any = None) -> Any:
-        """Fit to the rows of X and y."""
+        """Fits to the rows of X and y."""
         return self._fit(X, y, sample_weight, self.alpha)
 
 
@@ -253,5 +253,5 @@ class LinearRegression(_Linear):
         self.threads = threads
 
     def fit(self, X: Any, y: Any, sample_weight: Any = None) -> Any:
-        """Fit to the rows of X and y."""
+        """Fits to the rows of X and y."""
         return self._fit(X, y, sample_weight, 0.0)
