@@ -53,8 +53,8 @@ const READERS: &str = "
 What a reader leaves out or reads differently is a note with a count: on stderr, in
 `cata_mesh_file_notes` of C, as a warning in Python. A reader needs positions and faces:
 
-- A line, an element or bytes that a format does not know, or that follow what the header
-  announces, are left out.
+- A line, an element, a property of PLY or bytes that a format does not know, or that follow what
+  the header announces, are left out; so are smoothing groups of OBJ.
 - Texture coordinates and normals that a file names and lacks are left out.
 - A vertex whose position is not finite is left out if it is in no face.
 - Where the header of a binary STL file has no number of facets, or one that is too small, the size
